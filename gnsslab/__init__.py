@@ -1,0 +1,38 @@
+"""Precise GNSS by hand: carrier-phase positioning, integers, attitude and more, each algorithm in the open.
+
+The public names below load their modules when first used, so that `import gnsslab` itself is quick.
+"""
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_HOME_OF = {
+    "read_rinex_obs": "gnsslab.gnss.rinex",
+    "read_rinex_nav": "gnsslab.gnss.rinex",
+    "write_rinex_obs": "gnsslab.gnss.rinex",
+    "write_rinex_nav": "gnsslab.gnss.rinex",
+    "RinexError": "gnsslab.gnss.rinex",
+    "Observations": "gnsslab.gnss.observations",
+    "Ephemerides": "gnsslab.gnss.ephemerides",
+    "solve_points": "gnsslab.gnss.points",
+    "solve_relative": "gnsslab.gnss.relative",
+    "dual_antenna_attitude": "gnsslab.systems.dual_antenna",
+    "integer_least_squares": "gnsslab.core.integers",
+    "decorrelate": "gnsslab.core.integers",
+    "success_rate": "gnsslab.core.integers",
+    "adop": "gnsslab.core.integers",
+    "plot_attitude": "gnsslab.figures.attitude",
+}
+
+__all__ = sorted(_HOME_OF)
+
+
+def __getattr__(name):
+    if name not in _HOME_OF:
+        raise AttributeError(f"gnsslab has no public name {name!r}")
+    return getattr(import_module(_HOME_OF[name]), name)
+
+
+def __dir__():
+    return sorted([*globals(), *_HOME_OF])

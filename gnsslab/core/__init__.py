@@ -1,0 +1,1 @@
+"""Mathematics: knows no satellite."""

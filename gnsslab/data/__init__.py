@@ -1,0 +1,1 @@
+"""Registry of data sets: download, checksum, mirror."""

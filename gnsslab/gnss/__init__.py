@@ -1,0 +1,1 @@
+"""Satellites, receivers and measurements."""

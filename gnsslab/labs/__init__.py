@@ -1,0 +1,1 @@
+"""Interactive experiments as data and functions; no front end is imported here."""

@@ -1,0 +1,1 @@
+"""Fronts, course server, doctor."""
