@@ -1,0 +1,44 @@
+"""Fixtures for all tests: random numbers with a fixed seed, and real data sets."""
+
+import os
+
+import numpy as np
+import pytest
+
+from gnsslab.data import DataUnavailable, fetch
+
+
+@pytest.fixture
+def rng():
+    """A generator of random numbers, the same in every run."""
+    return np.random.default_rng(20240624)
+
+
+@pytest.fixture(scope="session")
+def dataset():
+    """A function from a data set's name to its folder; skips where the set cannot be had, fails under GNSSLAB_REQUIRE_ALL=1."""
+    found = {}  # a name's folder, or the words why it cannot be had: asked once, not in every test
+
+    def folder_of(name):
+        if name not in found:
+            found[name] = _folder_or_reason(name)
+        if isinstance(found[name], str):
+            missing(found[name])
+        return found[name]
+
+    return folder_of
+
+
+def _folder_or_reason(name):
+    try:
+        return fetch(name)
+    except (DataUnavailable, OSError) as error:
+        return str(error)
+
+
+def missing(reason):
+    """Skip the test with the reason; fail where GNSSLAB_REQUIRE_ALL=1 says that everything must be there."""
+    __tracebackhide__ = True
+    if os.environ.get("GNSSLAB_REQUIRE_ALL") == "1":
+        pytest.fail(f"GNSSLAB_REQUIRE_ALL=1, but: {reason}")
+    pytest.skip(reason)
