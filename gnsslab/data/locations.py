@@ -7,13 +7,13 @@ PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def project_folder(name):
-    """Return the folder `lessons` or `datasets`: beside the package in a checkout, inside it in an installed wheel.
+    """Return the folder `lessons` or `datasets`: inside the package in an installed wheel, beside it in a checkout.
 
     >>> (project_folder("datasets") / "registry.toml").is_file()
     True
     """
     for folder in (PACKAGE / "share" / name, PACKAGE.parent / name):
-        if (PACKAGE / "share").is_dir() == (folder.parent.name == "share") and folder.is_dir():
+        if folder.is_dir():
             return folder
     raise FileNotFoundError(f"the folder {name!r} of gnsslab is missing beside {PACKAGE}: install gnsslab again")
 
