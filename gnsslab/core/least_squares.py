@@ -45,9 +45,8 @@ def least_squares(A, y, sigma, used=None):
     weight_root = np.divide(1.0, sigma, out=np.zeros(used.shape), where=used)
     A_w = np.where(used[..., None], A * weight_root[..., None], 0.0)  # (..., k, p) rows of unit weight
     y_w = np.where(used, y * weight_root, 0.0)
-    present = np.any(A_w != 0.0, axis=-2)  # (..., p)
+    F, present, is_solved = _inverse_factor(_transpose(A_w) @ A_w)  # Q = F F'
     redundancy = used.sum(axis=-1) - present.sum(axis=-1)
-    F, is_solved = _inverse_factor(A_w, present)  # Q = F F'
     is_solved &= redundancy >= 0
     half = A_w @ F  # (..., k, p), orthonormal columns
     x = _matvec(F, _matvec(_transpose(half), y_w))
@@ -70,6 +69,8 @@ def worst_rows(fit, threshold):
     A problem of redundancy 1 offers none: there all normalised residuals are alike, an error shows but not where it is (Baarda 1968).
     """
     size = np.abs(fit.normalised)
+    if size.size == 0:
+        return np.zeros(size.shape, dtype=bool)
     worst = np.argmax(size, axis=-1)[..., None]
     found = (np.take_along_axis(size, worst, axis=-1) > threshold) & (fit.redundancy >= 2)[..., None]
     return found & (np.arange(size.shape[-1]) == worst)
@@ -102,19 +103,20 @@ def _usable(A, y, sigma, used):
     return complete if used is None else complete & np.asarray(used, dtype=bool)
 
 
-def _inverse_factor(A_w, present):
-    """Return F (..., p, p) with F F' = (A_w' A_w)^-1 and whether it exists (...); absent unknowns get zeros.
+def _inverse_factor(N):
+    """Return F (..., p, p) with F F' = N^-1, which unknowns are present (..., p) and whether those can be told apart (...).
 
     Cholesky N = L L' of the normal matrix scaled to a unit diagonal, column by column for the whole stack; F = L^-T scaled back.
+    An absent unknown, one with a zero on the diagonal, gets zeros.
     """
-    scale = np.where(present, np.sqrt((A_w**2).sum(axis=-2)), 1.0)  # (..., p)
-    A_u = A_w / scale[..., None, :]
-    N = _transpose(A_u) @ A_u
-    diagonal = np.arange(N.shape[-1])
-    N[..., diagonal, diagonal] = 1.0
-    L, is_regular = _cholesky(N)
+    i = np.arange(N.shape[-1])
+    present = N[..., i, i] > 0.0
+    scale = np.sqrt(np.where(present, N[..., i, i], 1.0))
+    N_u = N / (scale[..., :, None] * scale[..., None, :])
+    N_u[..., i, i] = 1.0
+    L, is_regular = _cholesky(N_u)
     F = _transpose(_lower_inverse(L)) / scale[..., :, None]
-    return np.where(_both(present), F, 0.0), is_regular
+    return np.where(_both(present), F, 0.0), present, is_regular
 
 
 def _cholesky(N):
