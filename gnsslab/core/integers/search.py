@@ -1,0 +1,303 @@
+"""Integer least squares: the integer vectors nearest to the float ambiguities, in the metric of their covariance.
+
+The squared distance |a_hat - a|^2 in the metric of Q is, after decorrelation, a sum of squares that grows term by term:
+
+    sum over k = n ... 1 of (c_k - z_k)^2 / d_k,    c_k = z_hat_k + sum over i > k of (z_i - c_i) L_ik.
+
+c_k is the float value of z_k once z_k+1 ... z_n have been chosen. So the integers are chosen one after the other, the
+last first: a tree, each level one variable. The search goes down along the nearest integers, and has a first candidate
+at the bottom (this one is bootstrapping). From then on a branch whose sum reaches that of the n_best-th candidate can
+only get worse, and is left; at each level the integers are tried in the order of their distance to c_k (nearest, next
+on the other side, and so on: Schnorr and Euchner 1994), so the first one that is too far ends its level. When the first
+level ends, nothing outside has been left untried but what the bound excludes: the candidates are proved best.
+Source: Chang, Yang and Zhou (2005), J. Geodesy 79:552-565; partial sums as Ghasemmehdi and Agrell (2011).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, decorrelate_in_place, raise_status, set_identity
+from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, vector
+
+NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
+
+_NOT_A_FLOAT, _HAS_NO_FRACTION = -1, -2
+_NO_FRACTION = 2.0**51  # float64 of this size and more come in steps of a half or an integer
+
+
+class IntegerSolution(NamedTuple):
+    """The nearest integer vectors, best first.
+
+    candidates (..., n_best, n) int64 [cycles]; norms (..., n_best) squared distances in the metric of Q; nodes (...)
+    branches tried; complete (...) False where the node limit ended the search: the candidates are then the best seen,
+    not proved best, and norms are infinite where there are fewer than n_best.
+    """
+
+    candidates: np.ndarray
+    norms: np.ndarray
+    nodes: np.ndarray
+    complete: np.ndarray
+
+    @property
+    def best(self):
+        """The nearest integer vector (..., n) int64 [cycles]."""
+        return self.candidates[..., 0, :]
+
+    @property
+    def ratio(self):
+        """Second best over best squared norm (...); RTKLIB's way round, the inverse of the LAMBDA toolbox's."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.norms[..., 1] / self.norms[..., 0]
+
+    def __repr__(self):
+        return f"IntegerSolution: {self.norms[..., 0].size} vectors of {self.candidates.shape[-1]} ambiguities, {self._completeness()}"
+
+    def _completeness(self):
+        missed = int(np.sum(~np.asarray(self.complete)))
+        return f"{missed} ended by the node limit, not proved best" if missed else "all searched completely"
+
+
+def integer_least_squares(a_hat, Q, n_best=2, *, node_limit=NODE_LIMIT):
+    """Find the n_best integer vectors a nearest to the float ambiguities a_hat.
+
+    minimise (a_hat - a)' Q^-1 (a_hat - a) over integer a
+
+    a_hat: (..., n) float ambiguities [cycles]; Q: (n, n) or (..., n, n) their covariance [cycles^2]. One Q with many
+    a_hat is decorrelated once. Returns an IntegerSolution. Raises ValueError where shapes do not fit, where Q is no
+    covariance matrix, or where a_hat is not finite.
+    Source: Teunissen (1995), J. Geodesy 70:65-82 (LAMBDA).
+
+    >>> Q = [[6.290, 5.978, 0.544], [5.978, 6.292, 2.340], [0.544, 2.340, 6.288]]     # de Jonge and Tiberius (1996)
+    >>> solution = integer_least_squares([5.450, 3.100, 2.970], Q)
+    >>> solution.candidates.tolist(), solution.norms.round(4).tolist()
+    ([[5, 3, 4], [6, 4, 4]], [0.2183, 0.3073])
+    """
+    a_hat, Q = np.asarray(a_hat, dtype=np.float64), checked_covariance(Q)
+    n_best, node_limit = _checked_count(n_best, "n_best"), _checked_count(node_limit, "node_limit")
+    stack, groups = _grouped(a_hat, Q)
+    candidates, norms, nodes, status, problem = fix_groups(*groups, n_best, node_limit)
+    if status != GOOD:
+        _raise(status, problem, Q.shape[:-2], stack)
+    return _as_record(candidates, norms, nodes, stack, n_best, node_limit)
+
+
+def _checked_count(count, name):
+    if count < 1 or count != int(count):
+        raise ValueError(f"{name} must be a whole number, 1 or more; it is {count}.")
+    return int(count)
+
+
+def _grouped(a_hat, Q):
+    """Return the stack's shape, and (a (groups, m, n), Q (groups, n, n)): m vectors share each Q."""
+    n = Q.shape[-1]
+    if a_hat.shape[-1:] != (n,):
+        raise ValueError(f"a_hat must have one value for each row of Q, {n}, in its last axis; it has shape {a_hat.shape}.")
+    if Q.ndim == 2:
+        return a_hat.shape[:-1], (kernel_input(a_hat.reshape(1, -1, n)), kernel_input(Q[None]))
+    try:
+        stack = np.broadcast_shapes(a_hat.shape[:-1], Q.shape[:-2])
+    except ValueError:
+        raise ValueError(f"The stacks of a_hat {a_hat.shape} and Q {Q.shape} do not fit: one Q, or one for each a_hat.") from None
+    a_hat, Q = np.broadcast_to(a_hat, (*stack, n)), np.broadcast_to(Q, (*stack, n, n))
+    return stack, (kernel_input(a_hat.reshape(-1, 1, n)), kernel_input(Q.reshape(-1, n, n)))
+
+
+def _as_record(candidates, norms, nodes, stack, n_best, node_limit):
+    nodes = np.asarray(nodes).reshape(stack)
+    candidates = np.asarray(candidates).reshape(*stack, n_best, -1)
+    return IntegerSolution(candidates, np.asarray(norms).reshape(*stack, n_best), nodes, nodes < node_limit)
+
+
+def _raise(status, problem, stack_Q, stack):
+    if status > GOOD:
+        raise_status(status, np.unravel_index(problem, stack) if stack_Q else ())
+    what = {
+        _NOT_A_FLOAT: "contains NaN or infinity: leave out the ambiguities that were not estimated",
+        _HAS_NO_FRACTION: "is 2^51 cycles or more, where float64 has no fractions left: subtract an approximate integer first",
+    }
+    raise ValueError(f"a_hat {what[status]}.")
+
+
+@kernel
+def integer_least_squares_kernel(a_hat, Q, n_best, node_limit):
+    """Fix one float vector a_hat (n,) with Q (n, n), from within another kernel.
+
+    Returns candidates (n_best, n) integers, norms (n_best,), nodes (the search was complete where below node_limit),
+    and a status: the rest is to be used where it is 0 (GOOD).
+    """
+    n = len(Q)
+    candidates, norms, nodes = integer_matrix(n_best, n), matrix(1, n_best), integer_matrix(1, 1)
+    a = matrix(1, n)
+    for k in range(n):
+        a[0][k] = a_hat[k]
+    status = fix_group(a, Q, 0, candidates, norms, nodes, node_limit, workspace(n, 1))
+    return candidates, norms[0], nodes[0][0], status
+
+
+@kernel
+def fix_groups(a, Q, n_best, node_limit):
+    """Fix a (groups, m, n), the m vectors of a group sharing one of Q (groups, n, n).
+
+    Returns candidates (groups m n_best, n), norms (groups m, n_best), nodes (groups m, 1), status and, where that is
+    not GOOD, the group it happened in.
+    """
+    groups, n = len(Q), len(Q[0])
+    m = len(a[0]) if groups > 0 else 0
+    rows = groups * m
+    candidates, norms, nodes = integer_matrix(rows * n_best, n), matrix(rows, n_best), integer_matrix(rows, 1)
+    work = workspace(n, m)
+    for group in range(groups):
+        status = fix_group(a[group], Q[group], group * m, candidates, norms, nodes, node_limit, work)
+        if status != GOOD:
+            return candidates, norms, nodes, status, group
+    return candidates, norms, nodes, GOOD, groups
+
+
+@kernel
+def workspace(n, m):
+    """Allocate what one group needs: U, T, W of the decorrelation, S and six rows of the search, its integers."""
+    return matrix(n, n), matrix(n, m), matrix(n, n), matrix(n, n + 1), matrix(6, n), integer_matrix(2, n)
+
+
+@kernel
+def fix_group(a, Q, first, candidates, norms, nodes, node_limit, work):
+    """Decorrelate Q once and search for each row of a (m, n); results go to the rows from `first` on."""
+    U, T, W, S, levels, integers = work
+    n, m, n_best = len(Q), len(a), len(norms[0])
+    status = split(a, T)
+    set_identity(W)
+    if status == GOOD:
+        status = decorrelate_in_place(Q, U, levels[0], T, W)
+    if status != GOOD:
+        return status
+    for v in range(m):
+        row = first + v
+        for k in range(n):
+            S[k][n] = T[k][v]
+        nodes[row][0] = search_in_place(U, S, candidates, row * n_best, norms[row], node_limit, levels, integers)
+        for b in range(row * n_best, (row + 1) * n_best):
+            restore(candidates[b], a[v], W, integers[0])
+    return GOOD
+
+
+@kernel
+def split(a, T):
+    """Write the fractions of a (m, n), less than half a cycle, to T (n, m); returns a status.
+
+    The integer parts are added to the candidates at the end, exactly: 1e8 cycles times an entry of Z would cost digits.
+    """
+    for v in range(len(a)):
+        for k in range(len(a[v])):
+            if not abs(a[v][k]) < _NO_FRACTION:
+                return _HAS_NO_FRACTION if abs(a[v][k]) < math.inf else _NOT_A_FLOAT
+            T[k][v] = a[v][k] - math.floor(a[v][k] + 0.5)
+    return GOOD
+
+
+@kernel
+def restore(candidate, a, W, z):
+    """Replace a candidate z by a = W' z plus the integer part of the float a."""
+    n = len(z)
+    for k in range(n):
+        z[k] = candidate[k]
+        candidate[k] = math.floor(a[k] + 0.5)
+    for i in range(n):
+        W_i, z_i = W[i], z[i]
+        for k in range(n):
+            candidate[k] += z_i * int(W_i[k])
+
+
+@kernel
+def search_kernel(z_hat, L, d, n_best, node_limit):
+    """Search the n_best integer vectors nearest to z_hat (n,) in the metric of L' diag(d) L, from another kernel.
+
+    Returns candidates (n_best, n) integers best first, norms (n_best,), nodes (complete where below node_limit).
+    """
+    n = len(d)
+    candidates, norms = integer_matrix(n_best, n), vector(n_best)
+    U, S, levels, integers = matrix(n, n), matrix(n, n + 1), matrix(6, n), integer_matrix(2, n)
+    for i in range(n):
+        S[i][n] = z_hat[i]
+        levels[0][i] = d[i]
+        for j in range(i):
+            U[j][i] = L[i][j]
+    nodes = search_in_place(U, S, candidates, 0, norms, node_limit, levels, integers)
+    return candidates, norms, nodes
+
+
+@kernel
+def search_in_place(U, S, candidates, first, norms, node_limit, levels, integers):
+    """Search the tree; writes candidates from row `first` on, and norms; returns the nodes visited.
+
+    U = L' (n, n), d in levels[0], z_hat in the last column of S (n, n + 1), whose column i holds z_hat_k plus the sum
+    from i on: a level looked at again adds only the terms that changed, those up to stale_k.
+    """
+    n = len(U)
+    d, c, z, step, above, e = levels[0], levels[1], levels[2], levels[3], levels[4], levels[5]
+    stale = integers[1]
+    for k in range(n):
+        stale[k] = n - 1
+    for b in range(len(norms)):
+        norms[b] = math.inf
+    k, nodes, bound = n - 1, 0, math.inf
+    above[k] = 0.0
+    start_level(k, S[k][n], c, z, step)
+    while nodes < node_limit:
+        nodes += 1
+        e[k] = z[k] - c[k]
+        norm = above[k] + e[k] * e[k] / d[k]
+        if norm < bound and k > 0:
+            k -= 1
+            above[k] = norm
+            start_level(k, conditional(k, U[k], S[k], e, stale), c, z, step)
+            continue
+        if norm < bound:
+            insert(candidates, first, norms, z, norm)
+            bound = norms[len(norms) - 1]
+        else:
+            k += 1
+            if k == n:
+                break
+        z[k] += step[k]
+        step[k] = -step[k] - math.copysign(1.0, step[k])
+    return nodes
+
+
+@kernel
+def conditional(k, U_k, S_k, e, stale):
+    """Return c_k = z_hat_k + sum over i > k of e_i U_ki, e = z - c."""
+    for i in range(stale[k], k, -1):
+        S_k[i] = S_k[i + 1] + e[i] * U_k[i]
+    if k > 0 and stale[k - 1] < stale[k]:
+        stale[k - 1] = stale[k]
+    stale[k] = k + 1
+    return S_k[k + 1]
+
+
+@kernel
+def start_level(k, c_k, c, z, step):
+    """Begin level k with the integer nearest to c_k; the next one lies on the other side of c_k."""
+    c[k] = c_k
+    z[k] = math.floor(c_k + 0.5)
+    step[k] = 1.0 if c_k > z[k] else -1.0
+
+
+@kernel
+def insert(candidates, first, norms, z, norm):
+    """Put z among the candidates, which stand in the order of their norms; the last one drops out."""
+    b = len(norms) - 1
+    while b > 0 and norms[b - 1] > norm:
+        norms[b] = norms[b - 1]
+        copy_integers(candidates[first + b - 1], candidates[first + b])
+        b -= 1
+    norms[b] = norm
+    copy_integers(z, candidates[first + b])
+
+
+@kernel
+def copy_integers(a, b):
+    """Copy a to b as integers."""
+    for k in range(len(a)):
+        b[k] = int(a[k])

@@ -1,0 +1,76 @@
+"""Kernels: plain loops, compiled by Numba where it is installed, ordinary Python where it is not.
+
+A kernel is one source for both worlds. It indexes matrices as `A[i][j]`, allocates through `vector` and `matrix`, and
+uses `math`, no numpy: compiled these are arrays, uncompiled (in a browser, say) nested lists, because scalar loops over
+numpy arrays are six times slower than over lists. Callers pass `kernel_input(array)` and read `np.asarray(result)`.
+
+GNSSLAB_NO_NUMBA=1 in the environment switches the compiler off.
+"""
+
+import os
+
+try:
+    if os.environ.get("GNSSLAB_NO_NUMBA", "0") not in ("", "0"):
+        raise ImportError("switched off by GNSSLAB_NO_NUMBA")
+    import numba
+except ImportError:
+    numba = None
+
+import numpy as np
+
+COMPILED = numba is not None
+
+
+def kernel(function):
+    """Compile a function of scalars and arrays on its first call, and keep the result on disk for the next process.
+
+    Division follows IEEE (no exception), sums keep their order: the answers are those of the uncompiled source.
+    Numba keeps the compiled code beside the source, or in the user's cache folder where that cannot be written, or in
+    NUMBA_CACHE_DIR where it is set; where no folder can be written it compiles in each process anew.
+    """
+    if not COMPILED:
+        return function
+    try:
+        return numba.njit(cache=True, error_model="numpy")(function)
+    except RuntimeError:  # "no locator available": no folder for the cache
+        return numba.njit(error_model="numpy")(function)
+
+
+if COMPILED:
+
+    @kernel
+    def vector(n):
+        """Allocate n zeros."""
+        return np.zeros(n)
+
+    @kernel
+    def matrix(rows, columns):
+        """Allocate rows x columns zeros, indexed as A[i][j]."""
+        return np.zeros((rows, columns))
+
+    @kernel
+    def integer_matrix(rows, columns):
+        """Allocate rows x columns integer zeros, indexed as A[i][j]."""
+        return np.zeros((rows, columns), dtype=np.int64)
+
+    def kernel_input(array):
+        """Prepare an array for a kernel: float64, C-contiguous; no copy where it is that already."""
+        return np.ascontiguousarray(array, dtype=np.float64)
+
+else:
+
+    def vector(n):
+        """Allocate n zeros."""
+        return [0.0] * n
+
+    def matrix(rows, columns):
+        """Allocate rows x columns zeros, indexed as A[i][j]."""
+        return [[0.0] * columns for _ in range(rows)]
+
+    def integer_matrix(rows, columns):
+        """Allocate rows x columns integer zeros, indexed as A[i][j]."""
+        return [[0] * columns for _ in range(rows)]
+
+    def kernel_input(array):
+        """Prepare an array for a kernel: nested lists of Python floats."""
+        return np.asarray(array, dtype=np.float64).tolist()
