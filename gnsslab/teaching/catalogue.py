@@ -1,0 +1,59 @@
+"""The lessons of the course: title, order, time, what they need and what they give; defined here and nowhere else."""
+
+from dataclasses import dataclass
+
+from gnsslab.data.locations import project_folder
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """One lesson of the course."""
+
+    number: str  # "00"
+    file: str  # name in the folder of lessons
+    title: str
+    teaser: str  # one sentence
+    minutes: int
+    needs: str  # what to know before
+    gives: tuple[str, ...]  # what you will be able to do
+
+    @property
+    def address(self):
+        """Path of the lesson on the course's server: "/lesson/00/"."""
+        return f"/lesson/{self.number}/"
+
+    @property
+    def path(self):
+        """The lesson's notebook on this machine."""
+        return project_folder("lessons") / self.file
+
+
+LESSONS = (
+    Lesson(
+        "00",
+        "00_which_way_is_north.py",
+        "Which way is north?",
+        "Two cheap receivers on a roof find north better than a compass. The whole chain in one picture.",
+        25,
+        "school trigonometry; no satellite navigation",
+        (
+            "read heading and pitch off a baseline of two antennas",
+            "say why one lever arm is worth more than a better antenna",
+            "tell a fixed answer from a float one, and know which to trust",
+            "get heading out of your own two RINEX files with six lines",
+        ),
+    ),
+)
+
+
+def find_lesson(number):
+    """Return the lesson of that number, "00" or 0.
+
+    >>> find_lesson(0).title
+    'Which way is north?'
+    """
+    wanted = f"{number:02d}" if isinstance(number, int) else str(number)
+    for lesson in LESSONS:
+        if lesson.number == wanted:
+            return lesson
+    raise ValueError(f"there is no lesson {number}: the course has {', '.join(lesson.number for lesson in LESSONS)}")

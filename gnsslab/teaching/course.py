@@ -1,0 +1,94 @@
+"""The course in the browser: our own home page, and each lesson as a marimo app, on one port."""
+
+import socket
+import threading
+import webbrowser
+from html import escape
+from pathlib import Path
+from string import Template
+
+from gnsslab import __version__
+from gnsslab.teaching.catalogue import LESSONS
+
+PORTS_TRIED = 50  # a taken port means the next free one, up to this many further on
+SHUTDOWN_SECONDS = 2  # open lessons are given this long when the server is stopped
+
+
+def serve(host="127.0.0.1", port=8000, open_browser=True, say=print):
+    """Serve the course until Ctrl-C; a taken port means the next free one, and `say` tells.
+
+    Raises ValueError where the host is no address of this machine or no port is free.
+    """
+    import uvicorn
+
+    listener = free_socket(host, port)
+    taken = listener.getsockname()[1]
+    if taken != port:
+        say(f"port {port} is taken; using {taken}")
+    address = f"http://{_shown(host)}:{taken}/"
+    say(f"the course is at {address} (stop it with Ctrl-C)")
+    config = uvicorn.Config(course_app(), log_level="warning", timeout_graceful_shutdown=SHUTDOWN_SECONDS)
+    if open_browser:
+        threading.Timer(1.0, webbrowser.open, (address,)).start()
+    try:
+        uvicorn.Server(config).run(sockets=[listener])
+    except KeyboardInterrupt:  # uvicorn hands Ctrl-C on once it has closed everything
+        say("stopped")
+
+
+def course_app():
+    """Return the whole course as an ASGI app: "/" is the home page, "/lesson/NN" a lesson."""
+    import marimo
+    from starlette.applications import Starlette
+    from starlette.responses import HTMLResponse, RedirectResponse
+    from starlette.routing import Mount, Route
+
+    lessons = marimo.create_asgi_app(quiet=True, include_code=False)
+    for lesson in LESSONS:
+        lessons = lessons.with_app(path=lesson.address.rstrip("/"), root=str(lesson.path))
+
+    async def home(request):
+        return HTMLResponse(home_page())
+
+    async def with_slash(request):
+        return RedirectResponse(request.url.path + "/")
+
+    slashless = [Route(lesson.address.rstrip("/"), with_slash) for lesson in LESSONS]
+    return Starlette(routes=[Route("/", home), *slashless, Mount("/", lessons.build())])
+
+
+def home_page():
+    """Return the home page, complete in itself: no script, no picture and no font from elsewhere."""
+    template = Template(Path(__file__).with_name("home.html").read_text("utf-8"))
+    return template.substitute(
+        first=LESSONS[0].address,
+        first_number=LESSONS[0].number,
+        lessons="\n".join(_card(lesson) for lesson in LESSONS),
+        version=__version__,
+    )
+
+
+def free_socket(host, port):
+    """Return a listening socket at the port, or at the next free one."""
+    for candidate in range(port, port + PORTS_TRIED):
+        try:
+            return socket.create_server((host, candidate))
+        except socket.gaierror:
+            raise ValueError(f"{host} is no address of this machine: try 127.0.0.1, or 0.0.0.0 to serve a class") from None
+        except (OSError, OverflowError) as error:
+            problem = error
+    raise ValueError(f"no free port from {port} to {port + PORTS_TRIED - 1} at {host} ({problem}): try another with --port")
+
+
+def _shown(host):
+    return "127.0.0.1" if host in ("0.0.0.0", "::", "") else host
+
+
+def _card(lesson):
+    gives = "".join(f"<li>{escape(text)}</li>" for text in lesson.gives)
+    return (
+        f'<li class="lesson"><div class="number">{lesson.number}</div><div>'
+        f'<h3><a href="{lesson.address}">{escape(lesson.title)}</a></h3><p>{escape(lesson.teaser)}</p>'
+        f'<p class="meta">About {lesson.minutes} minutes. Needs {escape(lesson.needs)}.</p>'
+        f"<p>Afterwards you can</p><ul>{gives}</ul></div></li>"
+    )
