@@ -47,7 +47,7 @@ def least_squares(A, y, sigma, used=None):
     y_w = np.where(used, y * weight_root, 0.0)
     F, present, is_solved = _inverse_factor(_transpose(A_w) @ A_w)  # Q = F F'
     redundancy = used.sum(axis=-1) - present.sum(axis=-1)
-    is_solved &= redundancy >= 0
+    is_solved &= (redundancy >= 0) & present.any(axis=-1)
     half = A_w @ F  # (..., k, p), orthonormal columns
     x = _matvec(F, _matvec(_transpose(half), y_w))
     v_w = y_w - _matvec(A_w, x)

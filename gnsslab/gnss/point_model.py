@@ -1,0 +1,201 @@
+"""The model behind single point positioning: what a code should measure from a supposed place, and the place that fits best."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gnsslab.core.least_squares import LeastSquares, least_squares, worst_rows
+from gnsslab.gnss.delays import klobuchar, saastamoinen
+from gnsslab.gnss.frames import azimuth_elevation, enu_rotation, geodetic_from_ecef
+from gnsslab.gnss.orbits import SatelliteStates, group_delay, rotate_to_reception, satellite_states
+from gnsslab.gnss.signals import SPEED_OF_LIGHT, frequency
+from gnsslab.gnss.weighting import NoiseModel, sigma_code
+
+ROUGH_SIGMA = 30.0  # [m] of any code before its elevation is known: the atmosphere's 30 m near the horizon
+SCREENING_THRESHOLD = 4.0  # normalised residual: one good measurement in 16 000 is taken out
+CONVERGED = 1e-4  # [m]: the next step would be below 1e-13 m, as the steps shrink by step / 20 000 km
+MOST_STEPS = 12  # from the centre of the Earth five to six are needed
+LOWEST_MAPPED = np.radians(2.0)  # below it the delays and sigmas of this elevation serve
+UNKNOWN_ACCURACY = 10.0  # [m], for a satellite whose broadcast gives none
+# Klobuchar's model takes away at least half of the delay, rms (IS-GPS-200N 20.3.3.5.2.5); without it a usual zenith delay is 5 m.
+IONOSPHERE_LEFT, IONOSPHERE_ZENITH = 0.5, 5.0
+# Saastamoinen with a standard atmosphere: the wet part is off by some 5 cm in the zenith, more in the tropics.
+TROPOSPHERE_ZENITH = 0.1  # [m]
+
+
+class Sky(NamedTuple):
+    """What is known of T epochs before the receiver is located: m satellites, s systems."""
+
+    time: np.ndarray  # (T,) datetime64[ns]
+    names: tuple  # (m,)
+    frequency: np.ndarray  # (m,) [Hz]
+    systems: str  # (s,) letters
+    clock_columns: np.ndarray  # (m, s) 1 where a satellite belongs to a system
+    code: np.ndarray  # (T, m) [m]
+    doppler: np.ndarray  # (T, m) [Hz]
+    cn0: np.ndarray  # (T, m) [dB-Hz]
+    states: SatelliteStates
+    to_clock: np.ndarray  # (T, m) [m], code plus satellite clock, less group delay: geometric range, receiver clock and delays
+    usable: np.ndarray  # (T, m) bool, code and ephemeris are there
+    klobuchar: np.ndarray | None  # (8,) ionosphere coefficients
+
+
+class Problem(NamedTuple):
+    """Ranges to locate a receiver by, all arrays with epochs in front."""
+
+    satellite: np.ndarray  # (T, m, 3) ECEF [m] in the frame of reception
+    range: np.ndarray  # (T, m) [m], less all delays: distance plus receiver clock
+    sigma: np.ndarray  # (T, m) [m]
+    used: np.ndarray  # (T, m) bool
+
+
+class Located(NamedTuple):
+    """Positions of T epochs, how they were found, and the directions seen from there."""
+
+    position: np.ndarray  # (T, 3) ECEF [m]
+    fit: LeastSquares  # of the last step: x = (step, clocks), residuals and the satellites kept
+    is_rough: np.ndarray  # (T,) bool, whether there was at least a position without mask and atmosphere
+    above: np.ndarray  # (T, m) bool, usable and above the mask
+    satellite: np.ndarray  # (T, m, 3) ECEF [m] in the frame of reception
+    u: np.ndarray  # (T, m, 3) unit vectors receiver to satellite, ECEF
+    u_enu: np.ndarray  # (T, m, 3)
+    azimuth: np.ndarray  # (T, m) [rad]
+    elevation: np.ndarray  # (T, m) [rad]
+
+
+def sky_of(time, measured, epochs, ephemerides):
+    """Return the `Sky` of some epochs (indices) of `Dense` measurements: satellite states from each receiver's own times of transmission."""
+    code = measured.code[epochs]
+    letters = [name[0] for name in measured.satellites]
+    systems = "".join(dict.fromkeys(letters))
+    states = satellite_states(ephemerides, measured.satellites, time, code / SPEED_OF_LIGHT)
+    delay = group_delay(ephemerides, states.index, letters, [signal[0] for signal in measured.signals])
+    to_clock = code + SPEED_OF_LIGHT * (states.clock - np.nan_to_num(delay))
+    return Sky(
+        time=time,
+        names=measured.satellites,
+        frequency=np.array([frequency(letter, signal[0]) for letter, signal in zip(letters, measured.signals, strict=True)]),
+        systems=systems,
+        clock_columns=np.array([[float(letter == system) for system in systems] for letter in letters]).reshape(len(letters), len(systems)),
+        code=code,
+        doppler=measured.doppler[epochs],
+        cn0=measured.cn0[epochs],
+        states=states,
+        to_clock=to_clock,
+        usable=np.isfinite(to_clock),
+        klobuchar=_coefficients(ephemerides),
+    )
+
+
+def locate(sky, mask):
+    """Return the `Located` receiver: first roughly with every satellite, then with atmosphere and weights above the mask [rad].
+
+    The second round is done twice, as delays and the Earth's turn are taken from where the round began: 50 m off, then centimetres.
+    """
+    satellite = rotate_to_reception(sky.states.position, sky.code / SPEED_OF_LIGHT)
+    rough = Problem(satellite, sky.to_clock, np.full(sky.code.shape, ROUGH_SIGMA), sky.usable)
+    position, fit = screened_position(rough, sky.clock_columns, _common_start(rough, sky.clock_columns))
+    is_rough, kept = fit.is_solved, fit.used
+    position = np.where(is_rough[:, None], position, np.nan)
+    for solve in (iterated_position, screened_position):
+        located = _seen_from(position, sky, mask)
+        problem = _corrected(sky, located, kept & located.above)
+        position, fit = solve(problem, sky.clock_columns, position)
+    return _seen_from(position, sky, mask)._replace(fit=fit, is_rough=is_rough, above=located.above)
+
+
+def lines_of_sight(satellite, receiver):
+    """Return unit vectors (..., m, 3) from receivers (..., 3) to satellites (..., m, 3) and the distances (..., m) [m]."""
+    vector = satellite - receiver[..., None, :]
+    distance = np.sqrt((vector**2).sum(axis=-1))
+    return vector / distance[..., None], distance
+
+
+def iterated_position(problem, clock_columns, start):
+    """Return positions (T, 3) and the last fit by Gauss-Newton from `start` (T, 3): range = |x_sat - x| + clock.
+
+    Linear in the clocks, so only the position is carried from step to step; A = [-u, clock columns].
+    """
+    position = start
+    clocks = np.broadcast_to(clock_columns, (*problem.range.shape, clock_columns.shape[1]))
+    for _ in range(MOST_STEPS):
+        u, distance = lines_of_sight(problem.satellite, position)
+        fit = least_squares(np.concatenate([-u, clocks], axis=-1), problem.range - distance, problem.sigma, problem.used)
+        step = np.where(fit.is_solved[:, None], fit.x[:, :3], 0.0)
+        position = position + step
+        if np.abs(step).max(initial=0.0) < CONVERGED:
+            break
+    return position, fit
+
+
+def screened_position(problem, clock_columns, start):
+    """Return positions (T, 3) and fit after data snooping: an epoch's worst satellite is taken out and it is located again, until none is bad."""
+    position, fit = iterated_position(problem, clock_columns, start)
+    for _ in range(problem.used.shape[1]):
+        worst = worst_rows(fit, SCREENING_THRESHOLD)
+        rows = np.flatnonzero(worst.any(axis=1))
+        if not len(rows):
+            break
+        again = Problem(*(array[rows] for array in problem._replace(used=fit.used & ~worst)))
+        moved, refit = iterated_position(again, clock_columns, position[rows])
+        position = _with_rows(position, rows, moved)
+        fit = LeastSquares(*(_with_rows(old, rows, new) for old, new in zip(fit, refit, strict=True)))
+    return position, fit
+
+
+def _common_start(problem, clock_columns):
+    """Return a start (T, 3) for all epochs: the position of the epoch with most satellites, itself found from the centre of the Earth."""
+    T = len(problem.used)
+    if T == 0 or problem.used.shape[1] == 0:
+        return np.zeros((T, 3))
+    best = [int(np.argmax(problem.used.sum(axis=1)))]
+    position, _ = screened_position(Problem(*(array[best] for array in problem)), clock_columns, np.zeros((1, 3)))
+    return np.repeat(position, T, axis=0)
+
+
+def _seen_from(position, sky, mask):
+    """Return a Located without a fit: satellites in the frame of reception at positions (T, 3), and where they stand in the sky."""
+    at_rest = sky.states.position
+    _, distance = lines_of_sight(at_rest, position)
+    _, distance = lines_of_sight(rotate_to_reception(at_rest, distance / SPEED_OF_LIGHT), position)  # now with the 30 m of Sagnac
+    satellite = rotate_to_reception(at_rest, distance / SPEED_OF_LIGHT)
+    u, _ = lines_of_sight(satellite, position)
+    u_enu = u @ np.swapaxes(enu_rotation(position), -1, -2)
+    azimuth, elevation = azimuth_elevation(u_enu)
+    above = sky.usable & (elevation >= mask)
+    return Located(position, None, None, above, satellite, u, u_enu, azimuth, elevation)
+
+
+def _corrected(sky, seen, used):
+    """Return the Problem with atmosphere and weights as seen from a supposed place."""
+    latitude, longitude, height = np.moveaxis(geodetic_from_ecef(seen.position), -1, 0)[..., None]
+    elevation = np.maximum(seen.elevation, LOWEST_MAPPED)
+    troposphere = saastamoinen(latitude, height, elevation)
+    ionosphere, ionosphere_left = _ionosphere(sky, latitude, longitude, seen.azimuth, elevation)
+    accuracy = np.where(np.isfinite(sky.states.accuracy), sky.states.accuracy, UNKNOWN_ACCURACY)
+    noise = sigma_code(NoiseModel(), elevation, sky.cn0, SPEED_OF_LIGHT / sky.frequency)
+    sigma = np.sqrt(noise**2 + ionosphere_left**2 + (TROPOSPHERE_ZENITH / np.sin(elevation)) ** 2 + accuracy**2)
+    return Problem(seen.satellite, sky.to_clock - troposphere - ionosphere, sigma, used)
+
+
+def _ionosphere(sky, latitude, longitude, azimuth, elevation):
+    """Return the modelled delay (T, m) [m] and what it leaves, one sigma; without coefficients nothing and a usual delay."""
+    if sky.klobuchar is None:
+        slant = 1 + 16 * (0.53 - elevation / np.pi) ** 3  # Klobuchar's obliquity factor (IS-GPS-200N figure 20-4)
+        return np.zeros(elevation.shape), IONOSPHERE_ZENITH * slant * (frequency("G", "1") / sky.frequency) ** 2
+    delay = klobuchar(sky.klobuchar, sky.time[:, None], latitude, longitude, azimuth, elevation, sky.frequency)
+    return delay, IONOSPHERE_LEFT * delay
+
+
+def _coefficients(ephemerides):
+    """Return the broadcast coefficients (8,), of GPS if there, else of QZSS or BeiDou; None where there are none."""
+    given = [ephemerides.ionosphere[letter] for letter in "GJC" if letter in ephemerides.ionosphere]
+    good = [alpha_beta for alpha_beta in given if np.isfinite(alpha_beta).all() and np.any(alpha_beta)]
+    return good[0] if good else None
+
+
+def _with_rows(array, rows, values):
+    """Return a copy with some rows replaced."""
+    copy = array.copy()
+    copy[rows] = values
+    return copy

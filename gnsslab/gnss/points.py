@@ -1,0 +1,151 @@
+"""Single point positioning: where a receiver was, from its own code measurements and broadcast orbits, each epoch by itself.
+
+code = |x_sat - x_rec| + clock_system - c dt_sat + troposphere + ionosphere + group delay + e     (one clock a system)
+"""
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+import numpy as np
+
+from gnsslab.core.least_squares import least_squares
+from gnsslab.gnss.dense import single_frequency_codes
+from gnsslab.gnss.frames import geodetic_from_ecef
+from gnsslab.gnss.point_model import Sky, locate, sky_of
+from gnsslab.gnss.point_reasons import no_solution_reasons
+from gnsslab.gnss.signals import SYSTEM_NAMES, USED_SYSTEMS
+from gnsslab.gnss.velocity import solve_velocity
+
+_CHUNK = 512  # epochs solved together: their arrays of 15 satellites stay within a processor's cache
+
+
+class PointStatus(IntEnum):
+    """Whether an epoch has a position; where NONE, `Points.reason` says why."""
+
+    NONE = 0
+    SOLVED = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Single point solutions of T epochs, m satellites, s systems; NaN where there is none."""
+
+    time: np.ndarray  # (T,) datetime64[ns], receiver time tags
+    status: np.ndarray  # (T,) int8 of PointStatus
+    position_ecef: np.ndarray  # (T, 3) [m] of the antenna
+    Q_position: np.ndarray  # (T, 3, 3) [m^2]
+    clock: np.ndarray  # (T, s) [m], receiver clock against each system's time, in order of `systems`
+    velocity_ecef: np.ndarray  # (T, 3) [m/s], NaN without Doppler
+    Q_velocity: np.ndarray  # (T, 3, 3) [m^2/s^2]
+    clock_drift: np.ndarray  # (T,) [m/s]
+    dop: np.ndarray  # (T, 4) geometric, position, horizontal and vertical dilution of precision, one clock
+    satellites: np.ndarray  # (T,) int, how many were used
+    reason: np.ndarray  # (T,) text, why there is no solution; empty where there is one
+    used: np.ndarray  # (T, m) bool
+    residual: np.ndarray  # (T, m) [m], measured - modelled code, also of satellites above the mask that were screened out
+    azimuth: np.ndarray  # (T, m) [rad]
+    elevation: np.ndarray  # (T, m) [rad]
+    names: tuple[str, ...]  # (m,) satellites with code measurements
+    systems: str  # (s,) letters of the clocks
+
+    @property
+    def is_solved(self):
+        """Epochs with a position (T,) bool."""
+        return self.status == PointStatus.SOLVED
+
+    @property
+    def geodetic(self):
+        """Latitude, longitude [rad] and ellipsoidal height [m] (T, 3)."""
+        return geodetic_from_ecef(self.position_ecef)
+
+    def mean_position(self):
+        """Return the mean ECEF position (3,) [m] of a receiver that stood still, weighted by 1 / trace Q; ValueError without any solution."""
+        solved = self.is_solved
+        if not solved.any():
+            raise ValueError(f"no epoch has a single point position: {self.main_reason()}")
+        weight = 1 / np.trace(self.Q_position[solved], axis1=-2, axis2=-1)
+        return weight @ self.position_ecef[solved] / weight.sum()
+
+    def main_reason(self):
+        """Return the reason most unsolved epochs give, empty where all are solved."""
+        reasons, counts = np.unique(self.reason[~self.is_solved], return_counts=True)
+        return str(reasons[np.argmax(counts)]) if len(reasons) else ""
+
+    def __repr__(self):
+        solved = int(self.is_solved.sum())
+        return f"Points: {len(self.time)} epochs, {solved} solved; {len(self.names)} satellites of {self.systems or 'no system'}"
+
+
+_PER_EPOCH = tuple(f.name for f in fields(Points) if f.name not in ("names", "systems"))
+
+
+def solve_points(observations, ephemerides, *, systems=USED_SYSTEMS, mask_deg=10.0, epochs=None):
+    """Return the `Points` of one receiver: position, clocks, Doppler velocity and their covariances at every epoch.
+
+    Weighted least squares on the codes of the first band of each system, one clock a system, repeated until it moves less than 0.1 mm;
+    a satellite with a normalised residual above 4 is taken out, one at a time. Broadcast ionosphere, Saastamoinen troposphere.
+    `epochs` (indices, mask or slice) picks some epochs; `mask_deg` is the lowest elevation used. An epoch without a
+    solution is NaN with the reason in words; an unknown system raises ValueError.
+    """
+    _check(systems, mask_deg)
+    measured = single_frequency_codes(observations, systems)
+    epochs = np.arange(len(observations.time))[slice(None) if epochs is None else epochs]
+    chunks = [epochs[i : i + _CHUNK] for i in range(0, max(len(epochs), 1), _CHUNK)]
+    parts = [_solve(sky_of(observations.time[chunk], measured, chunk, ephemerides), np.radians(mask_deg)) for chunk in chunks]
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _PER_EPOCH}
+    return Points(**joined, names=measured.satellites, systems=parts[0].systems)
+
+
+def dilution_of_precision(u_enu, used):
+    """Return GDOP, PDOP, HDOP, VDOP (..., 4) of unit vectors to m satellites (..., m, 3) in ENU; NaN with fewer than four or all in a cone.
+
+    D = (A' A)^-1, A = [-u 1];  GDOP^2 = tr D,  PDOP^2 = D_ee + D_nn + D_uu,  HDOP^2 = D_ee + D_nn,  VDOP^2 = D_uu
+
+    >>> u = [[0, 0, 1], [0, 1, 0], [np.sqrt(0.75), -0.5, 0], [-np.sqrt(0.75), -0.5, 0]]
+    >>> np.round(dilution_of_precision(np.array(u), np.ones(4, bool)) ** 2, 3).tolist()
+    [3.0, 2.667, 1.333, 1.333]
+    """
+    A = np.concatenate([-u_enu, np.ones((*u_enu.shape[:-1], 1))], axis=-1)
+    fit = least_squares(A, np.zeros(used.shape), np.ones(used.shape), used)
+    east, north, up, clock = np.moveaxis(np.diagonal(fit.Q, axis1=-2, axis2=-1), -1, 0)
+    return np.sqrt(np.stack([east + north + up + clock, east + north + up, east + north, up], axis=-1))
+
+
+def _check(systems, mask_deg):
+    for letter in systems:
+        if letter in "RSI":
+            raise ValueError(f"{SYSTEM_NAMES[letter]} ({letter}) is read but has no orbits here: choose among {', '.join(USED_SYSTEMS)}")
+        if letter not in USED_SYSTEMS:
+            raise ValueError(f"unknown system {letter!r}: choose among {', '.join(USED_SYSTEMS)}")
+    if not systems:
+        raise ValueError(f"no system is given: choose among {', '.join(USED_SYSTEMS)}")
+    if not -90 <= mask_deg < 90:
+        raise ValueError(f"the elevation mask must be between -90 and 90 degrees, {mask_deg:g} was given")
+
+
+def _solve(sky: Sky, mask):
+    """Return the Points of one chunk of epochs."""
+    located = locate(sky, mask)
+    reason = no_solution_reasons(sky, located, mask)
+    solved = reason == ""
+    motion = solve_velocity(sky, located, solved)
+    keep = solved[:, None]
+    return Points(
+        time=sky.time,
+        status=np.where(solved, PointStatus.SOLVED, PointStatus.NONE).astype(np.int8),
+        position_ecef=np.where(keep, located.position, np.nan),
+        Q_position=np.where(keep[..., None], located.fit.Q[:, :3, :3], np.nan),
+        clock=np.where(keep, located.fit.x[:, 3:], np.nan),
+        velocity_ecef=motion.velocity,
+        Q_velocity=motion.Q_velocity,
+        clock_drift=motion.clock_drift,
+        dop=np.where(keep, dilution_of_precision(located.u_enu, located.fit.used), np.nan),
+        satellites=np.where(solved, located.fit.used.sum(axis=-1), 0),
+        reason=reason,
+        used=located.fit.used & keep,
+        residual=np.where(keep & located.above, located.fit.residual, np.nan),
+        azimuth=np.where(keep, located.azimuth, np.nan),
+        elevation=np.where(keep, located.elevation, np.nan),
+        names=sky.names,
+        systems=sky.systems,
+    )
