@@ -138,7 +138,8 @@ class Elements(NamedTuple):
     sqrt_a: np.ndarray
     e: np.ndarray
     i0: np.ndarray
-    node: np.ndarray  # Omega0 - w toe: Earth-fixed longitude of the ascending node at toe, less what omega_dot adds [rad]
+    omega0: np.ndarray
+    turned: np.ndarray  # w toe: angle the Earth has turned since the week began [rad]
     omega: np.ndarray
     m0: np.ndarray
     n: np.ndarray  # mean motion, corrected [rad/s]
@@ -217,7 +218,7 @@ def _orbital_plane(el, t, a, sin_E, cos_E, E_dot):
 def _earth_fixed(el, t, plane):
     """Turn the orbital plane into ECEF: by the node's Earth-fixed longitude, or inertially and then by the GEO rotation."""
     node_rate = el.omega_dot - np.where(el.is_geo, 0.0, el.earth_rate)
-    node = el.node + node_rate * t
+    node = el.omega0 + node_rate * t - el.turned
     sin_O, cos_O = np.sin(node), np.cos(node)
     across, across_dot = plane.y * plane.cos_i, plane.y_dot * plane.cos_i - plane.y * plane.sin_i * plane.i_dot
     x, y = plane.x * cos_O - across * sin_O, plane.x * sin_O + across * cos_O
@@ -261,14 +262,14 @@ def _clock_polynomial(el, t):
 
 
 def _elements(ephemerides, row):
-    """Gather the parameters of rows (n,), deriving mean motion and node once a data set."""
+    """Gather the parameters of rows (n,), deriving mean motion and the like once a data set."""
     eph = ephemerides
     mu, earth_rate = _by_system(eph, GRAVITATION), _by_system(eph, EARTH_RATE)
     derived = {
         "mu": mu,
         "earth_rate": earth_rate,
         "n": np.sqrt(mu) / eph.sqrt_a**3 + eph.delta_n,
-        "node": eph.omega0 - earth_rate * _toe_in_own_week(eph),
+        "turned": earth_rate * _toe_in_own_week(eph),
         "is_geo": np.isin(eph.satellite, GEO_SATELLITES).astype(float),
     }
     table = np.stack([derived[name] if name in derived else getattr(eph, name) for name in Elements._fields])
