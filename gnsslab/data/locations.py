@@ -18,6 +18,14 @@ def project_folder(name):
     raise FileNotFoundError(f"the folder {name!r} of gnsslab is missing beside {PACKAGE}: install gnsslab again")
 
 
+def project_file(name):
+    """Return a file that travels with the project, `pyproject.toml`: from an installed wheel or a checkout."""
+    for file in (PACKAGE / "share" / name, PACKAGE.parent / name):
+        if file.is_file():
+            return file
+    raise FileNotFoundError(f"the file {name!r} of gnsslab is missing beside {PACKAGE}: install gnsslab again")
+
+
 def mirror_folder():
     """Return the folder named by GNSSLAB_DATA_MIRROR, or None where the variable is not set; raise where it names no folder."""
     name = os.environ.get("GNSSLAB_DATA_MIRROR")

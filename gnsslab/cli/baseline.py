@@ -1,0 +1,57 @@
+"""What `heading` and `rtk` share: two observation files and navigation in, the chosen epochs out."""
+
+from typing import NamedTuple
+
+from gnsslab.cli.progress import note
+
+
+class Inputs(NamedTuple):
+    """What a baseline is solved from."""
+
+    master: object  # Observations
+    rover: object  # Observations
+    ephemerides: object
+    files: tuple  # names of all input files
+    notes: tuple  # what was set aside while reading, in words
+
+
+def read_inputs(master, rover, navigation, span):
+    """Read the files of a baseline and keep the epochs of the span; say what the readers set aside."""
+    from gnsslab.gnss.rinex import read_rinex_nav, read_rinex_obs
+
+    readings = read_rinex_obs(master), read_rinex_obs(rover)
+    _refuse_same_file(master, rover)
+    ephemerides = read_rinex_nav(*navigation)
+    notes = tuple(warning for reading in (*readings, ephemerides) for warning in reading.warnings)
+    for warning in notes:
+        note(warning)
+    return Inputs(*_chosen_epochs(readings, span, (master, rover)), ephemerides, (master, rover, *navigation), notes)
+
+
+def _refuse_same_file(master, rover):
+    from gnsslab.data.fetching import sha256_of
+
+    if sha256_of(master) == sha256_of(rover):
+        raise ValueError(f"{master} and {rover} hold the same observations: give the files of two receivers")
+
+
+def _chosen_epochs(readings, span, names):
+    """Cut both receivers' epochs to the span; the grid of --every starts at the rover's first epoch in it."""
+    from gnsslab.gnss.selection import in_span, keep_epochs, on_grid
+
+    inside = [_something(in_span(reading.time, span.start, span.end), reading, name) for reading, name in zip(readings, names, strict=True)]
+    if span.every:
+        origin = readings[1].time[inside[1]][0]
+        inside = [keep & on_grid(reading.time, origin, span.every) for reading, keep in zip(readings, inside, strict=True)]
+    return [reading if keep.all() else keep_epochs(reading, keep) for reading, keep in zip(readings, inside, strict=True)]
+
+
+def _something(keep, reading, name):
+    from gnsslab.gnss.times import iso_text
+
+    if not len(keep):
+        raise ValueError(f"{name} has no epochs: give a file with observations")
+    if not keep.any():
+        first, last = iso_text(reading.time[0]), iso_text(reading.time[-1])
+        raise ValueError(f"{name} has no epochs between --from and --to: it spans {first} to {last} (GPS time)")
+    return keep

@@ -1,0 +1,75 @@
+"""`gnsslab heading`: attitude of a two-antenna baseline."""
+
+import math
+from typing import Annotated
+
+import typer
+
+from gnsslab.cli import options as o
+
+EXAMPLE = "Example: gnsslab heading base.obs rover.obs base.nav -o heading.csv --length 0.99"
+
+Output = Annotated[str, typer.Option("-o", "--output", metavar="OUT.csv", help="Table to write.")]
+Length = Annotated[float | None, typer.Option("--length", metavar="M", show_default=False, help="Known distance of the antennas [m].")]
+LengthSigma = Annotated[float, typer.Option("--length-sigma", metavar="M", show_default=False, help="Its standard deviation [0.005].")]
+MountHeading = Annotated[
+    float, typer.Option("--mount-heading", metavar="DEG", show_default=False, help="Heading of the baseline on the vehicle [0].")
+]
+
+
+def heading(
+    context: typer.Context,
+    master: o.Master,
+    rover: o.Rover,
+    navigation: o.Navigation,
+    output: Output,
+    plot: o.Plot = None,
+    length: Length = None,
+    length_sigma: LengthSigma = 0.005,
+    mount_heading: MountHeading = 0.0,
+    mask_deg: o.MaskDeg = 15.0,
+    systems: o.Systems = "GECJ",
+    frequencies: o.Frequencies = None,
+    signals: o.Signals = None,
+    single_epoch: o.SingleEpoch = False,
+    start: o.Start = None,
+    end: o.End = None,
+    every: o.Every = None,
+):
+    """Heading and pitch of the baseline MASTER to ROVER, from two observation files and orbits."""
+    solver = o.solver_options(systems, frequencies, signals, mask_deg, single_epoch) | _mount(length, length_sigma, mount_heading)
+    _heading(context.params, (master, rover, navigation), o.checked_span(start, end, every), solver, output, plot)
+
+
+def _mount(length, length_sigma, mount_heading):
+    return {
+        "length": None if length is None else o.positive("--length", length, "a length in metres"),
+        "length_sigma": o.positive("--length-sigma", length_sigma, "metres"),
+        "mount_heading": math.radians(o.finite("--mount-heading", mount_heading, "degrees")),
+    }
+
+
+def _heading(given, files, span, solver, output, plot):
+    from gnsslab.cli.baseline import read_inputs
+    from gnsslab.cli.outputs import check_output, check_picture, write_provenance
+    from gnsslab.cli.progress import progress_bar
+    from gnsslab.cli.tables import write_attitude_csv
+
+    check_output(output, (files[0], files[1], *files[2]))
+    check_picture(plot, (files[0], files[1], *files[2]))
+    inputs = read_inputs(*files, span)
+    from gnsslab.systems.dual_antenna import dual_antenna_attitude
+
+    with progress_bar("heading") as progress:
+        attitude = dual_antenna_attitude(inputs.master, inputs.rover, inputs.ephemerides, **solver, progress=progress)
+    write_attitude_csv(output, attitude, inputs.rover.time)
+    if plot:
+        _picture(plot, attitude)
+    write_provenance([output, plot] if plot else [output], "heading", given, inputs.files, inputs.notes)
+    print(f"{attitude}\nwritten to {output}")
+
+
+def _picture(path, attitude):
+    from gnsslab.figures.attitude import plot_attitude
+
+    plot_attitude(attitude).savefig(path)

@@ -1,0 +1,16 @@
+"""`gnsslab info`: what is in a file."""
+
+from typing import Annotated
+
+import typer
+
+EXAMPLE = "Example: gnsslab info rover.obs"
+
+File = Annotated[str, typer.Argument(metavar="FILE", hidden=True)]
+
+
+def info(file: File):
+    """Say what is in a RINEX FILE: span, receiver, satellites and signals, slips, gaps."""
+    from gnsslab.cli.summaries import summary
+
+    print("\n".join(summary(file)))
