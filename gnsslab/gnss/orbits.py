@@ -55,8 +55,8 @@ def satellite_states(ephemerides, satellites, time, transit):
     is_known = (index >= 0) & np.isfinite(transit)
     row, epoch = index[is_known], np.nonzero(is_known)[0]
     elements = _elements(ephemerides, row)
-    sent_after_toc = (time[epoch] - ephemerides.toc[row]) / NANOSECOND * 1e-9 - transit[is_known]
-    sent_after_toe = (time[epoch] - ephemerides.toe[row]) / NANOSECOND * 1e-9 - transit[is_known]
+    sent_after_toc = (time[epoch] - ephemerides.toc[row]) / NANOSECOND / 1e9 - transit[is_known]
+    sent_after_toe = (time[epoch] - ephemerides.toe[row]) / NANOSECOND / 1e9 - transit[is_known]
     offset = _clock_iterated(elements, sent_after_toc)
     position, velocity, relativity, relativity_rate = kepler_states(elements, sent_after_toe - offset)
     clock, drift = _clock_polynomial(elements, sent_after_toc - offset)
@@ -295,7 +295,7 @@ def _nearest(ephemerides, rows, system, time):
     is_last = np.append(toe[1:] != toe[:-1], True)  # of several data sets of one toe the one sent last
     rows, toe = rows[is_last], toe[is_last]
     nearest = np.searchsorted(toe[:-1] + (toe[1:] - toe[:-1]) // 2, time, side="right")
-    age = np.abs((time - toe[nearest]) / NANOSECOND) * 1e-9
+    age = np.abs((time - toe[nearest]) / NANOSECOND) / 1e9
     return np.where(age <= AGE_LIMIT.get(system, 0.0) + AGE_SLACK, rows[nearest], -1)
 
 

@@ -42,7 +42,7 @@ def week_and_tow(time):
     """
     nanoseconds = (np.asarray(time, dtype="datetime64[ns]") - GPS_EPOCH).astype(np.int64)
     week, rest = np.divmod(nanoseconds, SECONDS_PER_WEEK * 1_000_000_000)
-    return week, rest * 1e-9
+    return week, rest / 1e9  # a division is exact for whole seconds, a product with 1e-9 is not
 
 
 def seconds_between(later, earlier):
@@ -52,7 +52,7 @@ def seconds_between(later, earlier):
     1.0
     """
     difference = np.asarray(later, dtype="datetime64[ns]") - np.asarray(earlier, dtype="datetime64[ns]")
-    return difference / NANOSECOND * 1e-9
+    return difference / NANOSECOND / 1e9
 
 
 def add_seconds(time, seconds):
