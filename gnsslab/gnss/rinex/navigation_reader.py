@@ -355,9 +355,7 @@ COLUMNS = {
     "data_sources": 20, "week": 21, "accuracy": 23, "health": 24, "delay_1": 25, "delay_2": 26, "transmission": 27, "aodc": 28,
 }  # fmt: skip
 CLOCK_ISSUE_COLUMN = {"G": 26, "J": 26, "E": 20, "C": 28}
-_PLAIN = (
-    "sqrt_a e i0 omega0 omega m0 delta_n idot omega_dot cuc cus crc crs cic cis af0 af1 af2".split()
-)  # taken over as they stand
+_PLAIN = "sqrt_a e i0 omega0 omega m0 delta_n idot omega_dot cuc cus crc crs cic cis af0 af1 af2".split()  # taken over as they stand
 UNKNOWN_ACCURACY = 6144.0  # [m]: beyond this, the end of URA index 14, and below zero (Galileo) there is no prediction
 
 
