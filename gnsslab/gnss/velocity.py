@@ -6,10 +6,11 @@ import numpy as np
 
 from gnsslab.core.least_squares import screened_least_squares
 from gnsslab.gnss.orbits import EARTH_RATE_WGS84, rotate_to_reception
+from gnsslab.gnss.point_model import LOWEST_MAPPED, SCREENING_THRESHOLD
 from gnsslab.gnss.signals import SPEED_OF_LIGHT
+from gnsslab.gnss.weighting import TYPICAL_CN0
 
 SIGMA_DOPPLER = 0.05  # [m/s] at 45 dB-Hz in the zenith: a receiver for surveying has 0.02, one of a phone 0.1 and more
-SCREENING_THRESHOLD = 4.0
 
 
 class Motion(NamedTuple):
@@ -48,12 +49,13 @@ def reception_velocities(states, located):
 
 
 def sigma_doppler(elevation, cn0):
-    """Return the standard deviation of a range rate from Doppler (T, m) [m/s]: 0.05 / sin(el), times 10 to the (45 - C/N0) / 20.
+    """Return the standard deviation of a range rate from Doppler (T, m) [m/s]: 0.05 sqrt((1 / sin^2 el + 10^((45 - C/N0) / 10)) / 2).
 
     A missing C/N0 counts as 45 dB-Hz; elevations below 2 deg count as 2 deg.
 
     >>> sigma_doppler(np.radians([90.0, 30.0]), np.array([45.0, np.nan])).round(3).tolist()
-    [0.05, 0.1]
+    [0.05, 0.079]
     """
-    missing = 45.0 - np.where(np.isfinite(cn0) & (cn0 > 0), cn0, 45.0)
-    return SIGMA_DOPPLER * 10 ** (np.maximum(missing, 0.0) / 20) / np.sin(np.maximum(elevation, np.radians(2.0)))
+    cn0 = np.where(np.isfinite(cn0) & (cn0 > 0), cn0, TYPICAL_CN0)
+    thermal = 10 ** ((TYPICAL_CN0 - cn0) / 10)
+    return SIGMA_DOPPLER * np.sqrt((1 / np.sin(np.maximum(elevation, LOWEST_MAPPED)) ** 2 + thermal) / 2)
