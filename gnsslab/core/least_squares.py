@@ -97,7 +97,7 @@ def screened_least_squares(A, y, sigma, used=None, threshold=4.0):
 
 def _usable(A, y, sigma, used):
     """Return the mask (..., k) of rows that are wanted and complete, in the shape of the whole stack."""
-    complete = np.isfinite(y) & np.isfinite(sigma) & np.isfinite(A).all(axis=-1)
+    complete = np.isfinite(y) & np.isfinite(sigma) & np.isfinite(np.einsum("...p->...", A))  # a sum is quicker than four questions
     if np.any(sigma <= 0):
         raise ValueError("least squares expects standard deviations above zero, one is zero or negative: mask the row or give its sigma")
     return complete if used is None else complete & np.asarray(used, dtype=bool)

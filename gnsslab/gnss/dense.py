@@ -40,6 +40,11 @@ class Dense(NamedTuple):
         """Carrier wavelengths (m,) [m]."""
         return np.array([wavelength(name[0], signal[0]) for name, signal in zip(self.satellites, self.signals, strict=True)])
 
+    def part(self, epochs, columns):
+        """Return the Dense of some epochs (indices) and some satellites (column indices)."""
+        satellites, signals = (tuple(texts[column] for column in columns) for texts in (self.satellites, self.signals))
+        return Dense(satellites, signals, *(array[np.ix_(epochs, columns)] for array in self[2:]))
+
 
 def single_frequency_codes(observations, systems="GECJ"):
     """Return the `Dense` arrays of the first band of each system: what a single-frequency receiver would have measured."""

@@ -7,8 +7,8 @@ import numpy as np
 from gnsslab.core.least_squares import LeastSquares, least_squares, worst_rows
 from gnsslab.gnss.delays import klobuchar, saastamoinen
 from gnsslab.gnss.frames import azimuth_elevation, enu_rotation, geodetic_from_ecef
-from gnsslab.gnss.orbits import SatelliteStates, group_delay, rotate_to_reception, satellite_states
-from gnsslab.gnss.signals import SPEED_OF_LIGHT, frequency
+from gnsslab.gnss.orbits import EARTH_RATE_WGS84, SatelliteStates, group_delay, rotate_to_reception, satellite_states
+from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.gnss.weighting import NoiseModel, sigma_code
 
 ROUGH_SIGMA = 30.0  # [m] of any code before its elevation is known: the atmosphere's 30 m near the horizon
@@ -17,8 +17,9 @@ CONVERGED = 1e-4  # [m]: the next step would be below 1e-13 m, as the steps shri
 MOST_STEPS = 12  # from the centre of the Earth five to six are needed
 LOWEST_MAPPED = np.radians(2.0)  # below it the delays and sigmas of this elevation serve
 UNKNOWN_ACCURACY = 10.0  # [m], for a satellite whose broadcast gives none
-# Klobuchar's model takes away at least half of the delay, rms (IS-GPS-200N 20.3.3.5.2.5); without it a usual zenith delay is 5 m.
-IONOSPHERE_LEFT, IONOSPHERE_ZENITH = 0.5, 5.0
+IONOSPHERE_LEFT = 0.5  # Klobuchar's model takes away at least half of the delay, rms (IS-GPS-200N 20.3.3.5.2.5)
+# Broadcast by GPS on 2004-01-01, a day of middling activity, and used where a file has no coefficients (as RTKLIB does).
+MIDDLING_IONOSPHERE = np.array([0.1118e-7, -0.7451e-8, -0.5961e-7, 0.1192e-6, 0.1167e6, -0.2294e6, -0.1311e6, 0.1049e7])
 # Saastamoinen with a standard atmosphere: the wet part is off by some 5 cm in the zenith, more in the tropics.
 TROPOSPHERE_ZENITH = 0.1  # [m]
 
@@ -37,7 +38,7 @@ class Sky(NamedTuple):
     states: SatelliteStates
     to_clock: np.ndarray  # (T, m) [m], code plus satellite clock, less group delay: geometric range, receiver clock and delays
     usable: np.ndarray  # (T, m) bool, code and ephemeris are there
-    klobuchar: np.ndarray | None  # (8,) ionosphere coefficients
+    ionosphere: dict  # system letter -> (8,) Klobuchar coefficients
 
 
 class Problem(NamedTuple):
@@ -63,27 +64,25 @@ class Located(NamedTuple):
     elevation: np.ndarray  # (T, m) [rad]
 
 
-def sky_of(time, measured, epochs, ephemerides):
-    """Return the `Sky` of some epochs (indices) of `Dense` measurements: satellite states from each receiver's own times of transmission."""
-    code = measured.code[epochs]
+def sky_of(time, measured, systems, ephemerides):
+    """Return the `Sky` of `Dense` measurements at T epochs: satellite states from the receiver's own times of transmission."""
     letters = [name[0] for name in measured.satellites]
-    systems = "".join(dict.fromkeys(letters))
-    states = satellite_states(ephemerides, measured.satellites, time, code / SPEED_OF_LIGHT)
+    states = satellite_states(ephemerides, measured.satellites, time, measured.code / SPEED_OF_LIGHT)
     delay = group_delay(ephemerides, states.index, letters, [signal[0] for signal in measured.signals])
-    to_clock = code + SPEED_OF_LIGHT * (states.clock - np.nan_to_num(delay))
+    to_clock = measured.code + SPEED_OF_LIGHT * (states.clock - np.nan_to_num(delay))
     return Sky(
         time=time,
         names=measured.satellites,
-        frequency=np.array([frequency(letter, signal[0]) for letter, signal in zip(letters, measured.signals, strict=True)]),
+        frequency=measured.frequency,
         systems=systems,
         clock_columns=np.array([[float(letter == system) for system in systems] for letter in letters]).reshape(len(letters), len(systems)),
-        code=code,
-        doppler=measured.doppler[epochs],
-        cn0=measured.cn0[epochs],
+        code=measured.code,
+        doppler=measured.doppler,
+        cn0=measured.cn0,
         states=states,
         to_clock=to_clock,
         usable=np.isfinite(to_clock),
-        klobuchar=_coefficients(ephemerides),
+        ionosphere=ephemerides.ionosphere,
     )
 
 
@@ -101,14 +100,24 @@ def locate(sky, mask):
         located = _seen_from(position, sky, mask)
         problem = _corrected(sky, located, kept & located.above)
         position, fit = solve(problem, sky.clock_columns, position)
-    return _seen_from(position, sky, mask)._replace(fit=fit, is_rough=is_rough, above=located.above)
+    return located._replace(position=position, fit=fit, is_rough=is_rough)
 
 
 def lines_of_sight(satellite, receiver):
     """Return unit vectors (..., m, 3) from receivers (..., 3) to satellites (..., m, 3) and the distances (..., m) [m]."""
     vector = satellite - receiver[..., None, :]
-    distance = np.sqrt((vector**2).sum(axis=-1))
+    distance = np.sqrt(np.einsum("...i,...i->...", vector, vector))
     return vector / distance[..., None], distance
+
+
+def travel_times(satellite, receiver):
+    """Return how long signals travelled (..., m) [s] from satellites (..., m, 3) in the frame of transmission to receivers (..., 3).
+
+    c tau = |x_sat - x_rec| + w / c (x_sat y_rec - y_sat x_rec): the Sagnac effect to first order, the next is below 0.2 mm of range.
+    """
+    _, distance = lines_of_sight(satellite, receiver)
+    across = satellite[..., 0] * receiver[..., None, 1] - satellite[..., 1] * receiver[..., None, 0]
+    return (distance + EARTH_RATE_WGS84 / SPEED_OF_LIGHT * across) / SPEED_OF_LIGHT
 
 
 def iterated_position(problem, clock_columns, start):
@@ -155,10 +164,7 @@ def _common_start(problem, clock_columns):
 
 def _seen_from(position, sky, mask):
     """Return a Located without a fit: satellites in the frame of reception at positions (T, 3), and where they stand in the sky."""
-    at_rest = sky.states.position
-    _, distance = lines_of_sight(at_rest, position)
-    _, distance = lines_of_sight(rotate_to_reception(at_rest, distance / SPEED_OF_LIGHT), position)  # now with the 30 m of Sagnac
-    satellite = rotate_to_reception(at_rest, distance / SPEED_OF_LIGHT)
+    satellite = rotate_to_reception(sky.states.position, travel_times(sky.states.position, position))
     u, _ = lines_of_sight(satellite, position)
     u_enu = u @ np.swapaxes(enu_rotation(position), -1, -2)
     azimuth, elevation = azimuth_elevation(u_enu)
@@ -179,19 +185,17 @@ def _corrected(sky, seen, used):
 
 
 def _ionosphere(sky, latitude, longitude, azimuth, elevation):
-    """Return the modelled delay (T, m) [m] and what it leaves, one sigma; without coefficients nothing and a usual delay."""
-    if sky.klobuchar is None:
-        slant = 1 + 16 * (0.53 - elevation / np.pi) ** 3  # Klobuchar's obliquity factor (IS-GPS-200N figure 20-4)
-        return np.zeros(elevation.shape), IONOSPHERE_ZENITH * slant * (frequency("G", "1") / sky.frequency) ** 2
-    delay = klobuchar(sky.klobuchar, sky.time[:, None], latitude, longitude, azimuth, elevation, sky.frequency)
-    return delay, IONOSPHERE_LEFT * delay
+    """Return the modelled delay (T, m) [m] and what it leaves, one sigma."""
+    given = _coefficients(sky.ionosphere)
+    coefficients, left = (MIDDLING_IONOSPHERE, 1.0) if given is None else (given, IONOSPHERE_LEFT)
+    delay = klobuchar(coefficients, sky.time[:, None], latitude, longitude, azimuth, elevation, sky.frequency)
+    return delay, left * delay
 
 
-def _coefficients(ephemerides):
+def _coefficients(ionosphere):
     """Return the broadcast coefficients (8,), of GPS if there, else of QZSS or BeiDou; None where there are none."""
-    given = [ephemerides.ionosphere[letter] for letter in "GJC" if letter in ephemerides.ionosphere]
-    good = [alpha_beta for alpha_beta in given if np.isfinite(alpha_beta).all() and np.any(alpha_beta)]
-    return good[0] if good else None
+    given = [ionosphere[letter] for letter in "GJC" if letter in ionosphere]
+    return next((alpha_beta for alpha_beta in given if np.isfinite(alpha_beta).all() and np.any(alpha_beta)), None)
 
 
 def _with_rows(array, rows, values):

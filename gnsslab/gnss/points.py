@@ -3,7 +3,7 @@
 code = |x_sat - x_rec| + clock_system - c dt_sat + troposphere + ionosphere + group delay + e     (one clock a system)
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from gnsslab.core.least_squares import least_squares
 from gnsslab.gnss.dense import single_frequency_codes
 from gnsslab.gnss.frames import geodetic_from_ecef
-from gnsslab.gnss.point_model import Sky, locate, sky_of
+from gnsslab.gnss.point_model import locate, sky_of
 from gnsslab.gnss.point_reasons import no_solution_reasons
 from gnsslab.gnss.signals import SYSTEM_NAMES, USED_SYSTEMS
 from gnsslab.gnss.velocity import solve_velocity
@@ -77,6 +77,7 @@ class Points:
 
 
 _PER_EPOCH = tuple(f.name for f in fields(Points) if f.name not in ("names", "systems"))
+_PER_SATELLITE = ("used", "residual", "azimuth", "elevation")
 
 
 def solve_points(observations, ephemerides, *, systems=USED_SYSTEMS, mask_deg=10.0, epochs=None):
@@ -90,10 +91,11 @@ def solve_points(observations, ephemerides, *, systems=USED_SYSTEMS, mask_deg=10
     _check(systems, mask_deg)
     measured = single_frequency_codes(observations, systems)
     epochs = np.arange(len(observations.time))[slice(None) if epochs is None else epochs]
+    systems = "".join(dict.fromkeys(name[0] for name in measured.satellites))
     chunks = [epochs[i : i + _CHUNK] for i in range(0, max(len(epochs), 1), _CHUNK)]
-    parts = [_solve(sky_of(observations.time[chunk], measured, chunk, ephemerides), np.radians(mask_deg)) for chunk in chunks]
+    parts = [_solve_chunk(observations.time[chunk], measured, chunk, systems, ephemerides, np.radians(mask_deg)) for chunk in chunks]
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _PER_EPOCH}
-    return Points(**joined, names=measured.satellites, systems=parts[0].systems)
+    return Points(**joined, names=measured.satellites, systems=systems)
 
 
 def dilution_of_precision(u_enu, used):
@@ -123,8 +125,23 @@ def _check(systems, mask_deg):
         raise ValueError(f"the elevation mask must be between -90 and 90 degrees, {mask_deg:g} was given")
 
 
-def _solve(sky: Sky, mask):
-    """Return the Points of one chunk of epochs."""
+def _solve_chunk(time, measured, epochs, systems, ephemerides, mask):
+    """Return the Points of some epochs; satellites not seen in them take no part, and stand empty in the result."""
+    columns = np.flatnonzero(np.isfinite(measured.code[epochs]).any(axis=0))
+    points = _solve(sky_of(time, measured.part(epochs, columns), systems, ephemerides), mask)
+    shape = (len(epochs), len(measured.satellites))
+    return replace(points, **{name: _spread(getattr(points, name), columns, shape) for name in _PER_SATELLITE})
+
+
+def _spread(values, columns, shape):
+    """Return values (T, j) at their columns of an array (T, m), NaN or False elsewhere."""
+    spread = np.zeros(shape, dtype=bool) if values.dtype == bool else np.full(shape, np.nan)
+    spread[:, columns] = values
+    return spread
+
+
+def _solve(sky, mask):
+    """Return the Points of one Sky."""
     located = locate(sky, mask)
     reason = no_solution_reasons(sky, located, mask)
     solved = reason == ""
