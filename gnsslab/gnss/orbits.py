@@ -284,7 +284,7 @@ def _toe_in_own_week(ephemerides):
 
 def _by_system(ephemerides, values):
     letters = ephemerides.satellite.astype("<U1")
-    return np.select([letters == letter for letter in values], list(values.values()), list(values.values())[0])
+    return np.select([letters == letter for letter in values], list(values.values()), next(iter(values.values())))
 
 
 def _nearest(ephemerides, rows, system, time):

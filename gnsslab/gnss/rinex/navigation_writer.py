@@ -6,7 +6,7 @@ import numpy as np
 
 import gnsslab
 from gnsslab.gnss.rinex.atomic import write_atomically
-from gnsslab.gnss.rinex.navigation_reader import CLOCK_ISSUE_COLUMN, COLUMNS
+from gnsslab.gnss.rinex.navigation_fields import CLOCK_ISSUE_COLUMN, COLUMNS, FIELDS
 from gnsslab.gnss.times import BDT_BEHIND_GPS, BDT_WEEK_ZERO, SECONDS_PER_WEEK, week_and_tow
 
 _UNKNOWN_TRANSMISSION = 0.9999e9  # as RINEX writes a time of transmission that is not known
@@ -80,7 +80,7 @@ def _table(ephemerides, to_own_scale):
         "delay_1": eph.group_delay[:, 0],
         "delay_2": eph.group_delay[:, 1],
     }
-    table = np.zeros((len(letters), 31))
+    table = np.zeros((len(letters), FIELDS))
     for name, place in COLUMNS.items():
         table[:, place] = derived[name] if name in derived else getattr(eph, name, 0.0)
     rows = np.arange(len(letters))
