@@ -57,6 +57,10 @@ if COMPILED:
         """Prepare an array for a kernel: float64, C-contiguous; no copy where it is that already."""
         return np.ascontiguousarray(array, dtype=np.float64)
 
+    def kernel_indices(array):
+        """Prepare an array of indices for a kernel: int64, C-contiguous."""
+        return np.ascontiguousarray(array, dtype=np.int64)
+
 else:
 
     def vector(n):
@@ -74,3 +78,7 @@ else:
     def kernel_input(array):
         """Prepare an array for a kernel: nested lists of Python floats."""
         return np.asarray(array, dtype=np.float64).tolist()
+
+    def kernel_indices(array):
+        """Prepare an array of indices for a kernel: nested lists of Python integers."""
+        return np.asarray(array, dtype=np.int64).tolist()

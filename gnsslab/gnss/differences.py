@@ -1,0 +1,223 @@
+"""Differences: what two receivers measured together, and the operators that take clocks out of it.
+
+A channel is one carrier of one satellite. Between receivers the satellite's clock cancels (single difference); between
+channels of one group, the same system and the same carrier, the receivers' clocks cancel too (double difference).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gnsslab.gnss.dense import signal_arrays
+from gnsslab.gnss.signals import BANDS, USED_SYSTEMS, tracking_letters, wavelength
+
+TAG_TOLERANCE = np.timedelta64(25, "ms")  # two receivers' tags of one epoch differ by their clocks: up to some milliseconds
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """Measurements of one receiver on c channels over T epochs; NaN where nothing was measured."""
+
+    code: np.ndarray  # (T, c) [m]
+    phase: np.ndarray  # (T, c) [cycles]
+    doppler: np.ndarray  # (T, c) [Hz]
+    cn0: np.ndarray  # (T, c) [dB-Hz]
+    lli: np.ndarray  # (T, c) uint8, loss-of-lock bits of the carrier
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """What master and rover measured together: T common epochs, m satellites, c channels, sorted by group."""
+
+    time: np.ndarray  # (T,) datetime64[ns], the rover's tags
+    time_master: np.ndarray  # (T,) datetime64[ns]
+    epoch: np.ndarray  # (T,) int, index into the rover's epochs
+    epoch_master: np.ndarray  # (T,) int
+    satellites: tuple[str, ...]  # (m,)
+    satellite: np.ndarray  # (c,) int, index into satellites
+    band: np.ndarray  # (c,) int, 0 first, 1 second, 2 third frequency of the system
+    group: np.ndarray  # (c,) int, channels that may be differenced with each other
+    signal_master: tuple[str, ...]  # (c,) band digit and tracking letter, "1C"
+    signal_rover: tuple[str, ...]  # (c,)
+    wavelength: np.ndarray  # (c,) [m]
+    master: Tracks
+    rover: Tracks
+
+
+def difference_operator(m, reference):
+    """Return D (m - 1, m): every one of m measurements minus the reference one.
+
+    Rows sum to zero, so whatever is common to all (a receiver's clock) cancels; D D' has 2 on and 1 off the diagonal
+    (paper A, equation 13 with its size mended).
+
+    >>> difference_operator(3, 0).astype(int).tolist()
+    [[-1, 1, 0], [-1, 0, 1]]
+    """
+    if not 0 <= reference < m:
+        raise ValueError(f"reference {reference} is not one of the {m} measurements: give an index from 0 to {m - 1}")
+    D = np.delete(np.eye(m), reference, axis=0)
+    D[:, reference] = -1.0
+    return D
+
+
+def grouped_difference_operator(group, goodness):
+    """Return D (c - g, c) for c channels in g groups: in each group, every channel minus the one of greatest goodness.
+
+    A group with one channel has no difference. `group` and `goodness` are (c,), for instance elevations.
+
+    >>> grouped_difference_operator(np.array([0, 0, 7]), np.array([0.2, 0.9, 0.5])).astype(int).tolist()
+    [[1, -1, 0]]
+    """
+    channel, reference = difference_pairs(group, goodness)
+    D = np.zeros((len(channel), len(group)))
+    D[np.arange(len(channel)), channel] = 1.0
+    D[np.arange(len(channel)), reference] = -1.0
+    return D
+
+
+def difference_pairs(group, goodness):
+    """Return the rows of D as index arrays (channel, reference), each (c - g,): a difference is channel minus reference.
+
+    >>> [index.tolist() for index in difference_pairs(np.array([0, 0, 7, 0]), np.array([0.2, 0.9, 0.5, 0.1]))]
+    [[0, 3], [1, 1]]
+    """
+    best = {}
+    for i in np.argsort(goodness, kind="stable"):
+        best[group[i]] = i
+    reference = np.array([best[label] for label in group], dtype=np.int64)
+    channel = np.flatnonzero(reference != np.arange(len(group)))
+    return channel, reference[channel]
+
+
+def pair_receivers(master, rover, systems=USED_SYSTEMS, frequencies=2, signals=None):
+    """Return the Pair of two receivers' Observations: common epochs by time tag, and on each band of each satellite a signal both track.
+
+    `frequencies` counts the bands of each system, first ones first (signals.BANDS); `signals`, RINEX observation codes
+    such as "C2I", names them instead. The same tracking letter at both ends is preferred, as it leaves no code bias.
+    Raises ValueError when there is no common epoch or no common satellite.
+    """
+    epoch_master, epoch = common_epochs(master.time, rover.time)
+    if not len(epoch):
+        raise ValueError(f"no common epochs: the master has {_span(master)}, the rover {_span(rover)}; give two files of one session")
+    channels = _common_channels(master, rover, systems, frequencies, signals)
+    if not channels:
+        raise ValueError(
+            f"no common satellites: master and rover share no code and carrier of systems {systems} on the bands asked for; "
+            "look at both files with `gnsslab info`"
+        )
+    satellites = tuple(sorted({c.satellite for c in channels}))
+    return Pair(
+        time=rover.time[epoch],
+        time_master=master.time[epoch_master],
+        epoch=epoch,
+        epoch_master=epoch_master,
+        satellites=satellites,
+        satellite=np.array([satellites.index(c.satellite) for c in channels]),
+        band=np.array([c.band for c in channels]),
+        group=_group_numbers(channels),
+        signal_master=tuple(c.signal_master for c in channels),
+        signal_rover=tuple(c.signal_rover for c in channels),
+        wavelength=np.array([wavelength(c.satellite[0], c.signal_rover[0]) for c in channels]),
+        master=_tracks(master, epoch_master, channels, "signal_master"),
+        rover=_tracks(rover, epoch, channels, "signal_rover"),
+    )
+
+
+def common_epochs(time_a, time_b, tolerance=TAG_TOLERANCE):
+    """Return index arrays (i_a, i_b) of epochs whose tags agree within the tolerance, each epoch used at most once.
+
+    >>> ms = np.array([0, 1000, 3000]), np.array([1001, 2001, 3001])
+    >>> i_a, i_b = common_epochs(*(np.datetime64("2024-01-01", "ns") + t.astype("timedelta64[ms]") for t in ms))
+    >>> i_a.tolist(), i_b.tolist()
+    ([1, 2], [0, 2])
+    """
+    if not len(time_a) or not len(time_b):
+        return np.zeros(0, int), np.zeros(0, int)
+    after = np.searchsorted(time_a, time_b).clip(0, len(time_a) - 1)
+    before = (after - 1).clip(0)
+    nearest = np.where(np.abs(time_a[after] - time_b) < np.abs(time_a[before] - time_b), after, before)
+    i_b = np.flatnonzero(np.abs(time_a[nearest] - time_b) <= tolerance)
+    i_a, first = np.unique(nearest[i_b], return_index=True)
+    return i_a, i_b[first]
+
+
+@dataclass(frozen=True)
+class _Channel:
+    satellite: str
+    band: int
+    signal_master: str
+    signal_rover: str
+
+
+def _common_channels(master, rover, systems, frequencies, signals):
+    """Return the channels of all systems, sorted by system, carrier and satellite."""
+    channels = []
+    for system in systems:
+        if system in master.tables and system in rover.tables:
+            tables = master.tables[system], rover.tables[system]
+            channels += _channels_of_signals(*tables, signals) if signals else _channels_of_bands(*tables, frequencies)
+    return sorted(channels, key=lambda c: (c.satellite[0], c.band, c.signal_rover[0], c.satellite))
+
+
+def _channels_of_bands(master, rover, frequencies):
+    """Return a channel for each satellite and band; of alternative bands ("21") the first that a satellite has."""
+    chosen = {}
+    for band, alternatives in enumerate(BANDS[master.system][:frequencies]):
+        for digit in alternatives:
+            wanted = [digit + letter for letter in tracking_letters(master.system, digit)]
+            for channel in _best_pairs(master, rover, band, wanted):
+                chosen.setdefault((channel.satellite, band), channel)
+    return list(chosen.values())
+
+
+def _channels_of_signals(master, rover, signals):
+    """Return a channel for each satellite and each band among the signals named."""
+    wanted = [code[1:] for code in signals]
+    digits = list(dict.fromkeys(signal[0] for signal in wanted))
+    by_band = [[signal for signal in wanted if signal[0] == digit] for digit in digits]
+    return [channel for band, group in enumerate(by_band) for channel in _best_pairs(master, rover, band, group)]
+
+
+def _best_pairs(master, rover, band, wanted):
+    """Return for each satellite the pair of wanted signals with most epochs; one letter at both ends unless that costs half of them."""
+    count_master, count_rover = _signal_counts(master, wanted), _signal_counts(rover, wanted)
+    channels = []
+    for number in sorted(set(master.number.tolist()) & set(rover.number.tolist())):
+        epochs = {
+            (a, b): min(count_master[a][number], count_rover[b][number]) * (1 if a == b else 0.5)
+            for a in count_master for b in count_rover
+        }  # fmt: skip
+        best = max(epochs, key=epochs.get, default=None)  # the first of equals: wanted stands best first
+        if best and epochs[best] > 0:
+            channels.append(_Channel(f"{master.system}{number:02d}", band, *best))
+    return channels
+
+
+def _signal_counts(table, wanted):
+    """Return {signal: epochs with both code and carrier, by satellite number (256,)} of the wanted signals that the table has."""
+    counts = {}
+    for signal in wanted:
+        code, phase = table.column("C" + signal), table.column("L" + signal)
+        if code is not None and phase is not None:
+            both = np.isfinite(table.value[:, code]) & np.isfinite(table.value[:, phase])
+            counts[signal] = np.bincount(table.number[both], minlength=256)
+    return counts
+
+
+def _group_numbers(channels):
+    keys = [(c.satellite[0], c.signal_rover[0]) for c in channels]
+    order = list(dict.fromkeys(keys))
+    return np.array([order.index(key) for key in keys])
+
+
+def _tracks(observations, epochs, channels, end):
+    arrays = signal_arrays(observations, [c.satellite for c in channels], [getattr(c, end) for c in channels])
+    code, phase, doppler, cn0, lli = (array[epochs] for array in arrays)
+    lli = lli | observations.power_failure[epochs, None].astype(np.uint8)
+    return Tracks(code, phase, doppler, cn0, lli)
+
+
+def _span(observations):
+    if not len(observations.time):
+        return "no epochs"
+    return f"{observations.time[0]!s:.19} to {observations.time[-1]!s:.19}"

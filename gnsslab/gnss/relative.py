@@ -1,0 +1,156 @@
+"""Relative positioning: the baseline from a master to a rover by carrier phase, epoch by epoch.
+
+Observations of two receivers -> Pair (common epochs and channels) -> Model (ranges, weights, slips) -> Blocks -> filter -> Relative.
+The master may stand on known ground or move along (moving base): only its own position array differs.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import partial
+
+import numpy as np
+
+from gnsslab.gnss import motion
+from gnsslab.gnss.blocks import run_blocks
+from gnsslab.gnss.differences import pair_receivers
+from gnsslab.gnss.frames import enu_rotation
+from gnsslab.gnss.modelling import build_model
+from gnsslab.gnss.points import solve_points
+from gnsslab.gnss.signals import USED_SYSTEMS
+from gnsslab.gnss.weighting import NoiseModel
+
+RATIO_THRESHOLD = 3.0  # second best over best squared norm
+FEWEST_SATELLITES = 4
+_POINT_MASK_DEG = 10.0
+
+
+class Status(IntEnum):
+    """How far an epoch's solution may be trusted."""
+
+    NONE = 0
+    FLOAT = 1
+    FIXED = 2
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What to use and how to weigh it, the same for every kind of relative positioning."""
+
+    systems: str = USED_SYSTEMS
+    frequencies: int = 2  # bands of each system, first ones first (signals.BANDS)
+    signals: tuple[str, ...] | None = None  # RINEX observation codes such as "C2I", in place of `frequencies`
+    mask_deg: float = 15.0
+    single_epoch: bool = False  # nothing is carried from one epoch to the next
+    noise: NoiseModel = NoiseModel()
+    acceleration: float = 3.0  # [m/s^2 per sqrt(Hz)] of a moving rover, see motion.moving
+    ratio_threshold: float = RATIO_THRESHOLD
+
+
+@dataclass(frozen=True, eq=False)
+class Relative:
+    """Baselines from master to rover at every epoch of the rover; NaN where there is none."""
+
+    time: np.ndarray  # (T,) datetime64[ns], the rover's tags
+    status: np.ndarray  # (T,) int8 of Status
+    baseline_ecef: np.ndarray  # (T, 3) [m]
+    baseline_enu: np.ndarray  # (T, 3) [m], axes at the master
+    Q_enu: np.ndarray  # (T, 3, 3) [m^2]
+    position_ecef: np.ndarray  # (T, 3) [m], the master's plus the baseline
+    ratio: np.ndarray  # (T,) second best over best squared norm of the integer search
+    satellites: np.ndarray  # (T,) int, used
+
+    def __repr__(self):
+        fixed, floats = (int((self.status == status).sum()) for status in (Status.FIXED, Status.FLOAT))
+        return f"Relative: {len(self.time)} epochs, {fixed} fixed, {floats} float, {len(self.time) - fixed - floats} without solution"
+
+
+def solve_relative(base, rover, ephemerides, *, base_position=None, static=False, progress=None, **settings):
+    """Return the Relative position of a rover against a base that stands still.
+
+    `base_position` (3,) [m] is the base's antenna reference point in ECEF; without it `station_position` serves. With `static`
+    the rover stands still too. `settings` are those of `Settings`; `progress(done, total)` is called now and then.
+    Raises ValueError without common epochs or satellites, or where the navigation data are of another day.
+    """
+    settings = Settings(**settings)
+    if base_position is None:
+        base_position = station_position(base, ephemerides)
+    master_ecef = np.broadcast_to(np.asarray(base_position, dtype=float), (len(base.time), 3))
+    return _solve(base, rover, master_ecef, ephemerides, _motion(settings, static), settings, progress)
+
+
+def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
+    """Return the Relative position of a rover against a master that may move itself (moving base).
+
+    The master's own position comes from its code at each epoch: an error of 1 m there turns a baseline of length l by
+    l / 20 000 km only. Options and errors as in `solve_relative`.
+    """
+    settings = Settings(**settings)
+    points = solve_points(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
+    return _solve(master, rover, points.position_ecef, ephemerides, _motion(settings, static=False), settings, progress)
+
+
+def station_position(base, ephemerides):
+    """Return the ECEF position (3,) [m] of a base's antenna reference point.
+
+    It is the marker of the RINEX header plus the antenna offset given there, or the mean single-point position without a marker.
+    """
+    marker = base.header.position_ecef
+    if marker is None:
+        return _filled(solve_points(base, ephemerides).position_ecef).mean(axis=0)
+    return marker + enu_rotation(marker).T @ base.header.antenna_delta_enu
+
+
+def _motion(settings, static):
+    if settings.single_epoch:
+        return motion.forgetful
+    return motion.static if static else partial(motion.moving, acceleration=settings.acceleration)
+
+
+def _solve(master, rover, master_ecef, ephemerides, path_of, settings, progress):
+    """Return Relative for all epochs of the rover, given the master's position (T_master, 3) at all of its own."""
+    pair = pair_receivers(master, rover, settings.systems, settings.frequencies, settings.signals)
+    letters = "".join(sorted({name[0] for name in pair.satellites}))
+    points = solve_points(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
+    master_ecef = _filled(master_ecef)[pair.epoch_master]
+    rover_ecef = _filled(points.position_ecef)[pair.epoch]
+    model = build_model(pair, master_ecef, rover_ecef, ephemerides, np.radians(settings.mask_deg), settings.noise)
+    solution = run_blocks(model, path_of(pair.time, model.near), progress)
+    return _relative(rover.time, pair.epoch, master_ecef, solution, settings.ratio_threshold)
+
+
+def _filled(position):
+    """Return positions (T, 3) with missing epochs taken from the nearest solved one before, else from the first one."""
+    solved = np.isfinite(position[:, 0])
+    if not solved.any():
+        raise ValueError("no single-point position at any epoch: does the navigation file belong to the day of the observations?")
+    source = np.maximum.accumulate(np.where(solved, np.arange(len(position)), -1))
+    source[source < 0] = np.argmax(solved)
+    return position[source]
+
+
+def _relative(time, epoch, master_ecef, solution, ratio_threshold):
+    """Return the Relative of all rover epochs (T_all,) from the Solution at the common ones, `epoch` (T,) among them."""
+    outcome = solution.outcome
+    status = np.where(outcome.ratio >= ratio_threshold, Status.FIXED, Status.FLOAT)
+    status[solution.satellites < FEWEST_SATELLITES] = Status.NONE
+    is_fixed = (status == Status.FIXED)[:, None]
+    baseline = np.where(is_fixed, outcome.baseline_fixed, outcome.baseline_float)
+    Q = np.where(is_fixed[..., None], outcome.Q_fixed, outcome.Q_float)
+    R_ne = enu_rotation(master_ecef)
+    solved = status > Status.NONE
+
+    def at_all_epochs(values, missing=np.nan):
+        spread = np.full((len(time), *values.shape[1:]), missing, dtype=np.asarray(values).dtype)
+        spread[epoch[solved]] = values[solved]
+        return spread
+
+    return Relative(
+        time=time,
+        status=at_all_epochs(status.astype(np.int8), Status.NONE),
+        baseline_ecef=at_all_epochs(baseline),
+        baseline_enu=at_all_epochs(np.einsum("tij,tj->ti", R_ne, baseline)),
+        Q_enu=at_all_epochs(R_ne @ Q @ R_ne.swapaxes(-1, -2)),
+        position_ecef=at_all_epochs(master_ecef + baseline),
+        ratio=at_all_epochs(outcome.ratio),
+        satellites=at_all_epochs(solution.satellites, 0),
+    )

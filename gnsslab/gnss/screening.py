@@ -1,0 +1,91 @@
+"""Screening: which carriers may be used, and where their cycle count was broken."""
+
+import numpy as np
+
+from gnsslab.gnss.observations import HALF_CYCLE, SLIP
+from gnsslab.gnss.times import seconds_between
+
+LONGEST_GAP = 5  # epochs a channel may be missing and still continue its count when no slip is flagged
+_GEOMETRY_FREE_JUMP = 0.05  # [m]: one cycle on one of two bands moves the combination by 54 mm at least (L1 against L2)
+_LONGEST_IONOSPHERE_STEP = 60.0  # [s]: beyond, the ionosphere itself may move the combination by centimetres
+_DOPPLER_JUMP = 1.5  # [cycles]: the mean Doppler of two epochs predicts the phase to about a cycle
+_LONGEST_DOPPLER_STEP = 2.0  # [s]: beyond, accelerations spoil that prediction
+
+
+def has_half_cycle(pair):
+    """Return (T, c) bool: the carrier of either receiver may be off by half a cycle."""
+    return ((pair.master.lli | pair.rover.lli) & HALF_CYCLE) > 0
+
+
+def cycle_slips(pair, usable):
+    """Return (T, c) bool: the ambiguity of the channel is not the one it had when last used.
+
+    `usable` (T, c) bool are the measurements that enter the filter. Four reasons: a loss-of-lock flag of either receiver
+    since the last usable epoch, a gap longer than LONGEST_GAP epochs, a jump of the geometry-free combination between bands,
+    a jump of the carrier against the Doppler. The last two look at consecutive usable epochs of each receiver.
+    """
+    last = _last_usable(usable)
+    slip = _flagged_since(last, ((pair.master.lli | pair.rover.lli) & SLIP) > 0)
+    slip |= (last >= 0) & (np.arange(len(usable))[:, None] - last > LONGEST_GAP + 1)
+    slip |= _geometry_free_jumps(pair, last)
+    for tracks, time in ((pair.master, pair.time_master), (pair.rover, pair.time)):
+        slip |= _doppler_jumps(tracks, time, last)
+    return slip & usable
+
+
+def _last_usable(usable):
+    """Return (T, c) int: index of the usable epoch before each epoch, -1 where there is none."""
+    index = np.where(usable, np.arange(len(usable))[:, None], -1)
+    before = np.maximum.accumulate(index, axis=0)
+    return np.vstack([np.full((1, usable.shape[1]), -1), before[:-1]])
+
+
+def _flagged_since(last, flagged):
+    """Return (T, c) bool: a flag stands at an epoch after `last`, up to and with this one."""
+    count = np.cumsum(flagged, axis=0)
+    return count > np.take_along_axis(count, last.clip(0), axis=0) * (last >= 0)
+
+
+def _step(values, last):
+    """Return (T, c) the change of values since the last usable epoch, NaN where there is none."""
+    return np.where(last >= 0, values - np.take_along_axis(values, last.clip(0), axis=0), np.nan)
+
+
+def _seconds_since(time, last):
+    """Return (T, c) [s] since the last usable epoch."""
+    return seconds_between(time[:, None], time[last.clip(0)])
+
+
+def _geometry_free_jumps(pair, last):
+    """Return (T, c) bool: the difference of two bands' carriers [m], between receivers, jumped; both bands are suspect."""
+    change = _step((pair.rover.phase - pair.master.phase) * pair.wavelength, last)
+    change[_seconds_since(pair.time, last) > _LONGEST_IONOSPHERE_STEP] = np.nan
+    jump = np.zeros(change.shape, dtype=bool)
+    for a, b in _band_pairs(pair):
+        with np.errstate(invalid="ignore"):
+            both = (np.abs(change[:, a] - change[:, b]) > _GEOMETRY_FREE_JUMP) & (last[:, a] == last[:, b])
+        jump[:, a] |= both
+        jump[:, b] |= both
+    return jump
+
+
+def _band_pairs(pair):
+    """Return index arrays (a, b) of channels of one satellite on two bands, one pair of arrays for each two bands."""
+    channel_of = {(s, band): i for i, (s, band) in enumerate(zip(pair.satellite.tolist(), pair.band.tolist(), strict=True))}
+    for first, second in ((0, 1), (0, 2), (1, 2)):
+        both = [(channel_of[s, first], channel_of[s, second]) for s in range(len(pair.satellites)) if {(s, first), (s, second)} <= channel_of.keys()]
+        if both:
+            yield tuple(np.array(both).T)
+
+
+def _doppler_jumps(tracks, time, last):
+    """Return (T, c) bool: one receiver's carrier left the path its Doppler foretold by more than the others did (clock jumps are common to all)."""
+    seconds = _seconds_since(time, last)
+    mean_doppler = tracks.doppler - _step(tracks.doppler, last) / 2
+    excess = _step(tracks.phase, last) + mean_doppler * seconds
+    excess[seconds > _LONGEST_DOPPLER_STEP] = np.nan
+    some = np.isfinite(excess).any(axis=1)
+    common = np.zeros(len(excess))
+    common[some] = np.nanmedian(excess[some], axis=1)
+    with np.errstate(invalid="ignore"):
+        return np.abs(excess - common[:, None]) > _DOPPLER_JUMP

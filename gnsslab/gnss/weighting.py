@@ -1,0 +1,44 @@
+"""Weighting: how much a code or a carrier measurement may be trusted, from its elevation and its strength."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+TYPICAL_CN0 = 45.0  # [dB-Hz], taken where a file gives no signal strength
+_TRACKING_BANDWIDTH = 15.0  # [Hz], usual carrier loop
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Standard deviations of one undifferenced measurement of one receiver.
+
+    The carrier's variance is the sum of a part that is the same everywhere, a part that grows towards the horizon
+    (multipath, antenna gain) and the thermal noise of the tracking loop; the code is `code_ratio` times worse.
+    """
+
+    phase: float = 0.003  # [m], the same at every elevation
+    phase_horizon: float = 0.003  # [m], divided by sin(elevation)
+    code_ratio: float = 100.0  # sigma of the code over sigma of the carrier
+
+
+def sigma_phase(noise, elevation, cn0, wavelength):
+    """Return the standard deviation of the carrier [m], broadcast over elevation [rad], C/N0 [dB-Hz] and wavelength [m].
+
+    sigma^2 = a^2 + b^2 / sin^2 el + (lambda / 2 pi)^2 B / 10^(C/N0 / 10); B = 15 Hz (Kaplan and Hegarty 2006, equation 5.9, without
+    squaring loss). A missing C/N0 counts as 45 dB-Hz, at which the last term is 0.7 mm on L1.
+
+    >>> round(float(sigma_phase(NoiseModel(), np.pi / 2, 45.0, 0.1903)) * 1e3, 2)
+    4.29
+    """
+    cn0 = np.where(np.isfinite(cn0) & (cn0 > 0), cn0, TYPICAL_CN0)
+    thermal = (wavelength / (2 * np.pi)) ** 2 * _TRACKING_BANDWIDTH / 10 ** (cn0 / 10)
+    return np.sqrt(noise.phase**2 + (noise.phase_horizon / np.sin(elevation)) ** 2 + thermal)
+
+
+def sigma_code(noise, elevation, cn0, wavelength):
+    """Return the standard deviation of the code [m]: the carrier's times `code_ratio`.
+
+    >>> round(float(sigma_code(NoiseModel(), np.pi / 2, 45.0, 0.1903)), 3)
+    0.429
+    """
+    return noise.code_ratio * sigma_phase(noise, elevation, cn0, wavelength)
