@@ -1,5 +1,6 @@
 """The command line `gnsslab`: one file a command; this one is the frame that turns errors into one plain line."""
 
+import os
 import sys
 from typing import Annotated
 
@@ -32,9 +33,18 @@ def main(argv=None):
     except SystemExit as end:
         return end.code or 0
     except (ValueError, OSError) as error:
-        print(f"gnsslab: {plain_line(error)}", file=sys.stderr)
-        return 1
+        return _fail(plain_line(error))
+    except Exception as error:  # a mistake of ours: one line for the user, the whole story for whoever mends it
+        if os.environ.get("GNSSLAB_TRACEBACK"):
+            raise
+        name = type(error).__name__
+        return _fail(f"a mistake in gnsslab ({name}: {plain_line(error)}): set GNSSLAB_TRACEBACK=1, try again, and report what is shown")
     return 0
+
+
+def _fail(words):
+    print(f"gnsslab: {words}", file=sys.stderr)
+    return 1
 
 
 def plain_line(error):

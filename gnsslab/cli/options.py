@@ -21,7 +21,7 @@ Every = Annotated[float | None, typer.Option("--every", metavar="S", show_defaul
 Plot = Annotated[str | None, typer.Option("--plot", metavar="OUT.png", show_default=False, help="A picture of it (png, svg, pdf).")]
 
 _ISO = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d(\.\d{1,9})?)?)?")
-_SIGNAL = re.compile(r"[CL]?\d[A-Z]")
+_SIGNAL = re.compile(r"[CL]\d[A-Z]")
 
 
 class Span(NamedTuple):

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from gnsslab.cli import options as o
+from gnsslab.cli.progress import note
 
 EXAMPLE = "Example: gnsslab rtk base.obs rover.obs base.nav -o rover.csv --static"
 EARTH_RADIUS_RANGE = 6.33e6, 6.40e6  # [m] from the lowest shore at the poles to the highest mountain at the equator, with room
@@ -63,7 +64,7 @@ def _rtk(given, files, span, solver, output, plot):
 
     check_output(output, (files[0], files[1], *files[2]))
     check_picture(plot, (files[0], files[1], *files[2]))
-    inputs = read_inputs(*files, span)
+    inputs = with_base_position(read_inputs(*files, span), solver)
     from gnsslab.gnss.relative import solve_relative
 
     with progress_bar("rtk") as progress:
@@ -76,6 +77,20 @@ def _rtk(given, files, span, solver, output, plot):
         _picture(plot, relative)
     write_provenance([output, plot] if plot else [output], "rtk", given, inputs.files, inputs.notes)
     print(f"{relative}\nwritten to {output}")
+
+
+def with_base_position(inputs, solver):
+    """Fill in the base's position where none was given; return the inputs with a note on where it comes from."""
+    if solver["base_position"] is not None:
+        return inputs
+    from gnsslab.gnss.relative import station_position
+
+    position = solver["base_position"] = station_position(inputs.master, inputs.ephemerides)
+    in_header = inputs.master.header.position_ecef is not None
+    source = "its RINEX header (marker plus antenna delta)" if in_header else "the mean of its single-point positions"
+    words = "base at {:.4f},{:.4f},{:.4f}, from {}".format(*position, source)
+    note(words)
+    return inputs._replace(notes=(*inputs.notes, words))
 
 
 def _picture(path, relative):

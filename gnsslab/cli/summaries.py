@@ -9,6 +9,7 @@ from gnsslab.gnss.signals import SYSTEM_NAMES, USED_SYSTEMS
 from gnsslab.gnss.times import iso_text
 
 SECOND = np.timedelta64(1_000_000_000, "ns")
+MEASURED = "CLDS"  # code, carrier phase, Doppler, signal strength; X (receiver channel) and I (ionosphere) are no measurements
 
 
 def summary(path):
@@ -88,10 +89,10 @@ def _gaps(observations):
 
 
 def _signals(observations):
-    lines = ["", "system   signal  measured  satellites  phases  full %  slips  half-cycle"]
+    lines = ["", "system   signal  measured  satellites  phases    share  slips  half-cycle"]
     for system in _in_order(observations.tables):
         table = observations.tables[system]
-        for signal in dict.fromkeys(code[1:] for code in table.codes):
+        for signal in dict.fromkeys(code[1:] for code in table.codes if code[0] in MEASURED):
             lines.append(f"{SYSTEM_NAMES.get(system, system):8} {signal:6}  {_signal_row(table, signal)}")
     names = [f"{SYSTEM_NAMES.get(s, s):8} {' '.join(observations.tables[s].satellites)}" for s in _in_order(observations.tables)]
     return [*lines, "", *names]
@@ -105,8 +106,8 @@ def _signal_row(table, signal):
     phase = np.isfinite(_phase(table.value, table, signal, np.nan))
     lli = np.where(phase, _phase(table.lli, table, signal, 0), 0)
     slips, halves = (int(((lli & bit) != 0).sum()) for bit in (SLIP, HALF_CYCLE))
-    full = 100 * phase.mean() if len(phase) else 0.0
-    return f"{kinds or '-':8}  {satellites:10}  {int(phase.sum()):6}  {full:6.1f}  {slips:5}  {halves:10}"
+    share = f"{100 * phase.mean():.1f} %"
+    return f"{kinds or '-':8}  {satellites:10}  {int(phase.sum()):6}  {share:>7}  {slips:5}  {halves:10}"
 
 
 def _phase(values, table, signal, absent):
