@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtri
 
 from gnsslab.core.least_squares import LeastSquares, least_squares, worst_rows
 from gnsslab.gnss.delays import klobuchar, saastamoinen
@@ -13,6 +14,8 @@ from gnsslab.gnss.weighting import NoiseModel, sigma_code
 
 ROUGH_SIGMA = 30.0  # [m] of any code before its elevation is known: the atmosphere's 30 m near the horizon
 SCREENING_THRESHOLD = 4.0  # normalised residual: one good measurement in 16 000 is taken out
+FALSE_ALARM = 1e-3  # of the chi-square test: one good epoch in a thousand would be refused
+LOWEST_RADIUS, HIGHEST_RADIUS = 6.3e6, 2e7  # [m] from the centre of the Earth: the poles are at 6.36e6, GPS at 2.66e7
 CONVERGED = 1e-4  # [m]: the next step would be below 1e-13 m, as the steps shrink by step / 20 000 km
 MOST_STEPS = 12  # from the centre of the Earth five to six are needed
 LOWEST_MAPPED = np.radians(2.0)  # below it the delays and sigmas of this elevation serve
@@ -39,6 +42,7 @@ class Sky(NamedTuple):
     to_clock: np.ndarray  # (T, m) [m], code plus satellite clock, less group delay: geometric range, receiver clock and delays
     usable: np.ndarray  # (T, m) bool, code and ephemeris are there
     ionosphere: dict  # system letter -> (8,) Klobuchar coefficients
+    toe: np.ndarray  # (k,) datetime64[ns] of all ephemerides, to say what they are good for
 
 
 class Problem(NamedTuple):
@@ -55,7 +59,8 @@ class Located(NamedTuple):
 
     position: np.ndarray  # (T, 3) ECEF [m]
     fit: LeastSquares  # of the last step: x = (step, clocks), residuals and the satellites kept
-    is_rough: np.ndarray  # (T,) bool, whether there was at least a position without mask and atmosphere
+    rough: LeastSquares  # of the first round, without mask and atmosphere
+    rough_radius: np.ndarray  # (T,) [m] of the first round's position from the centre of the Earth
     above: np.ndarray  # (T, m) bool, usable and above the mask
     satellite: np.ndarray  # (T, m, 3) ECEF [m] in the frame of reception
     u: np.ndarray  # (T, m, 3) unit vectors receiver to satellite, ECEF
@@ -83,6 +88,7 @@ def sky_of(time, measured, systems, ephemerides):
         to_clock=to_clock,
         usable=np.isfinite(to_clock),
         ionosphere=ephemerides.ionosphere,
+        toe=ephemerides.toe,
     )
 
 
@@ -92,15 +98,35 @@ def locate(sky, mask):
     The second round is done twice, as delays and the Earth's turn are taken from where the round began: 50 m off, then centimetres.
     """
     satellite = rotate_to_reception(sky.states.position, sky.code / SPEED_OF_LIGHT)
-    rough = Problem(satellite, sky.to_clock, np.full(sky.code.shape, ROUGH_SIGMA), sky.usable)
-    position, fit = screened_position(rough, sky.clock_columns, _common_start(rough, sky.clock_columns))
-    is_rough, kept = fit.is_solved, fit.used
-    position = np.where(is_rough[:, None], position, np.nan)
+    problem = Problem(satellite, sky.to_clock, np.full(sky.code.shape, ROUGH_SIGMA), sky.usable)
+    position, rough = screened_position(problem, sky.clock_columns, _common_start(problem, sky.clock_columns))
+    radius = np.where(rough.is_solved, np.linalg.norm(position, axis=-1), np.nan)
+    position = np.where(is_plausible(rough, radius)[:, None], position, np.nan)
     for solve in (iterated_position, screened_position):
         located = _seen_from(position, sky, mask)
-        problem = _corrected(sky, located, kept & located.above)
+        problem = _corrected(sky, located, rough.used & located.above)
         position, fit = solve(problem, sky.clock_columns, position)
-    return located._replace(position=position, fit=fit, is_rough=is_rough)
+    return located._replace(position=position, fit=fit, rough=rough, rough_radius=radius)
+
+
+def is_plausible(rough, radius):
+    """Return which rough positions (T,) are worth refining: their codes agree, and they are neither deep in the Earth nor among the satellites."""
+    return is_consistent(rough) & (radius > LOWEST_RADIUS) & (radius < HIGHEST_RADIUS)
+
+
+def is_consistent(fit):
+    """Return which solved epochs (T,) pass the chi-square test; with nothing redundant there is nothing to fail it."""
+    return fit.is_solved & (fit.chi_square <= chi_square_limit(fit.redundancy))
+
+
+def chi_square_limit(redundancy):
+    """Return the value that chi-square passes with probability FALSE_ALARM; infinite where nothing is redundant.
+
+    >>> np.round(chi_square_limit(np.array([0, 1, 5])), 2).tolist()
+    [inf, 10.83, 20.52]
+    """
+    checked = redundancy > 0
+    return np.where(checked, chdtri(np.where(checked, redundancy, 1), FALSE_ALARM), np.inf)
 
 
 def lines_of_sight(satellite, receiver):
@@ -169,7 +195,7 @@ def _seen_from(position, sky, mask):
     u_enu = u @ np.swapaxes(enu_rotation(position), -1, -2)
     azimuth, elevation = azimuth_elevation(u_enu)
     above = sky.usable & (elevation >= mask)
-    return Located(position, None, None, above, satellite, u, u_enu, azimuth, elevation)
+    return Located(position, None, None, None, above, satellite, u, u_enu, azimuth, elevation)
 
 
 def _corrected(sky, seen, used):

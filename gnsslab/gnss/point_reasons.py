@@ -1,11 +1,11 @@
 """Why an epoch has no single point position, in words."""
 
 import numpy as np
-from scipy.special import chdtri
 
+from gnsslab.gnss.point_model import HIGHEST_RADIUS, LOWEST_RADIUS, is_consistent
 from gnsslab.gnss.signals import SYSTEM_NAMES
+from gnsslab.gnss.times import iso_text
 
-FALSE_ALARM = 1e-3  # of the chi-square test: one good epoch in a thousand would be refused
 LARGEST_SIGMA = 100.0  # [m]: satellites nearly in one cone; a position this loose helps nobody
 _NAMES_TOLD = 4  # satellites named in a reason, the rest are counted
 
@@ -15,15 +15,11 @@ def no_solution_reasons(sky, located, mask):
 
     Asked in this order: measurements, ephemerides, satellites above the mask, geometry, residuals (chi-square of the fit).
     """
-    reasons = np.full(len(sky.time), "", dtype="<U160")
-    for epoch in np.flatnonzero(~_is_good(located)):
+    reasons = np.full(len(sky.time), "", dtype="<U200")
+    good = is_consistent(located.fit) & (sigma_position(located.fit) < LARGEST_SIGMA)
+    for epoch in np.flatnonzero(~good):
         reasons[epoch] = _reason(sky, located, mask, epoch)
     return reasons
-
-
-def _is_good(located):
-    fit = located.fit
-    return fit.is_solved & (sigma_position(fit) < LARGEST_SIGMA) & (fit.chi_square <= chi_square_limit(fit.redundancy))
 
 
 def sigma_position(fit):
@@ -32,54 +28,64 @@ def sigma_position(fit):
     return np.sqrt(np.where(np.isfinite(Q), Q, np.inf))
 
 
-def chi_square_limit(redundancy):
-    """Return the value that chi-square passes with probability FALSE_ALARM; infinite where nothing is redundant.
-
-    >>> np.round(chi_square_limit(np.array([0, 1, 5])), 2).tolist()
-    [inf, 10.83, 20.52]
-    """
-    checked = redundancy > 0
-    return np.where(checked, chdtri(np.where(checked, redundancy, 1), FALSE_ALARM), np.inf)
-
-
 def _reason(sky, located, mask, epoch):
-    measured = np.isfinite(sky.code[epoch])
-    if not measured.any():
+    if not np.isfinite(sky.code[epoch]).any():
         return f"no code measurements of {_systems_in_words(sky)}"
-    without = _without_ephemeris(sky, epoch)
     if not sky.usable[epoch].any():
-        return without
-    fit = located.fit
-    if not located.is_rough[epoch]:
-        return _joined(_too_few(sky, sky.usable[epoch], "with a code and an ephemeris"), without)
-    above = located.above[epoch]
-    if fit.redundancy[epoch] < 0:
-        return _joined(_too_few(sky, above, f"above {np.degrees(mask):g} deg"), without)
+        return _no_ephemeris_at_all(sky, epoch)
+    return _rough_reason(sky, located, epoch) or _fine_reason(sky, located, mask, epoch)
+
+
+def _rough_reason(sky, located, epoch):
+    """Return what is wrong with the codes of all satellites together, empty if nothing is."""
+    usable, radius = sky.usable[epoch], located.rough_radius[epoch]
+    if not located.rough.is_solved[epoch]:
+        return _too_few(sky, located.rough, epoch, usable, "with a code and an ephemeris")
+    if not is_consistent(located.rough)[epoch]:
+        return _too_large(located.rough, epoch, usable)
+    if not LOWEST_RADIUS < radius < HIGHEST_RADIUS:
+        return f"the codes of {usable.sum()} satellites lead to a place {radius / 1e3:.0f} km from the centre of the Earth"
+    return ""
+
+
+def _fine_reason(sky, located, mask, epoch):
+    """Return what is wrong with the satellites above the mask."""
+    fit, above = located.fit, located.above[epoch]
+    if not fit.is_solved[epoch]:
+        return _too_few(sky, fit, epoch, above, f"above {np.degrees(mask):g} deg")
     sigma = sigma_position(fit)[epoch]
     if not sigma < LARGEST_SIGMA:
-        return f"geometry too weak: {fit.used[epoch].sum()} satellites, " + ("position undetermined" if np.isinf(sigma) else f"sigma {sigma:.0f} m")
-    return _too_large(located, epoch)
+        return f"geometry too weak: {fit.used[epoch].sum()} satellites leave a sigma of {sigma:.0f} m"
+    return _too_large(fit, epoch, above)
 
 
-def _too_few(sky, seen, where):
-    """Return in words that the satellites seen (m,) are too few for position and clocks."""
+def _too_few(sky, fit, epoch, seen, where):
+    """Return in words that the satellites seen (m,) are too few for position and clocks, or stand badly."""
+    count, left = int(seen.sum()), int(fit.used[epoch].sum())
     systems = int((sky.clock_columns[seen].sum(axis=0) > 0).sum())
-    count = int(seen.sum())
-    if count == 0:
-        return f"no satellite {where}"
+    words = f"only {count} satellite{'s' if count > 1 else ''} {where}" if count else f"no satellite {where}"
+    if systems > 1:
+        words += f", of {systems} systems: {3 + systems} are needed"
     if count >= 3 + systems:
-        return f"geometry too weak: {count} satellites {where} do not determine a position"
-    words = f"only {count} satellite{'s' if count > 1 else ''} {where}"
-    return words if systems < 2 else f"{words}, of {systems} systems: {3 + systems} are needed"
+        words = f"geometry too weak: {left} of {count} satellites {where} do not determine a position"
+    without = _without_ephemeris(sky, epoch)
+    return f"{words}; {without}" if without else words
 
 
-def _too_large(located, epoch):
-    fit = located.fit
+def _too_large(fit, epoch, seen):
     used = fit.used[epoch]
     rms = np.sqrt(np.mean(fit.residual[epoch, used] ** 2))
-    removed = int(located.above[epoch].sum() - used.sum())
+    removed = int(seen.sum() - used.sum())
     words = f"residuals too large: {rms:.1f} m rms with {used.sum()} satellites"
     return words if removed == 0 else f"{words} after {removed} were taken out"
+
+
+def _no_ephemeris_at_all(sky, epoch):
+    count = int(np.isfinite(sky.code[epoch]).sum())
+    if not len(sky.toe):
+        return f"no ephemeris for any of {count} satellites: there are none at all"
+    first, last = (iso_text(time)[:16] for time in (sky.toe.min(), sky.toe.max()))
+    return f"no healthy ephemeris for any of {count} satellites: those given are for {first} to {last}, the epoch is {iso_text(sky.time[epoch])[:16]}"
 
 
 def _without_ephemeris(sky, epoch):
@@ -89,12 +95,8 @@ def _without_ephemeris(sky, epoch):
         return ""
     told = ", ".join(sky.names[i] for i in missing[:_NAMES_TOLD])
     more = f" and {len(missing) - _NAMES_TOLD} more" if len(missing) > _NAMES_TOLD else ""
-    return f"no ephemeris for {told}{more}"
+    return f"no healthy ephemeris for {told}{more}"
 
 
 def _systems_in_words(sky):
     return ", ".join(SYSTEM_NAMES[letter] for letter in sky.systems) or "the systems asked for"
-
-
-def _joined(*parts):
-    return "; ".join(part for part in parts if part)
