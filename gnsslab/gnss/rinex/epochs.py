@@ -1,5 +1,6 @@
 """Epochs: which lines of a file belong to which epoch. RINEX 2 and RINEX 3 differ here and in few other places."""
 
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,6 +9,7 @@ from gnsslab.gnss.rinex.errors import RinexError, quoted
 from gnsslab.gnss.rinex.headers import check_types, take_header_line
 
 OBSERVED, POWER_FAILURE, CYCLE_SLIPS = 0, 1, 6  # epoch flags followed by satellites; 2 to 5 are followed by header lines
+_EPOCH_OF_VERSION_2 = re.compile(r" [ \d]\d( [ \d]\d){4}[ \d]{2}\d\.\d{7}  \d[ \d]{2}\d")
 _EVENTS = {2: "the antenna starts to move", 3: "a new site is occupied", 4: "header lines", 5: "an external event"}
 
 
@@ -22,6 +24,12 @@ class Epochs:
     layouts: list = field(default_factory=list)
     events: list = field(default_factory=list)  # words
     warnings: list = field(default_factory=list)  # words
+
+    def with_flags(self, wanted):
+        """Return the epochs whose flag is among those wanted."""
+        at = [place for place, flag in enumerate(self.flag) if flag in wanted]
+        chosen = ([column[place] for place in at] for column in (self.line, self.flag, self.count, self.layout))
+        return Epochs(*chosen, layouts=self.layouts)
 
 
 def find_epochs(lines, state, grammar, first):
@@ -183,13 +191,13 @@ class Version3:
         earlier = next((other for other in before if other.startswith(text[:3])), "")
         return len(text.rstrip()) < len(earlier.rstrip())
 
-    def satellite_columns(self, epoch_line, index, count):
+    def satellite_columns(self, epoch_line, index):
         """Return line and column of the names of satellites: `index` counts them within their epoch."""
         return epoch_line + 1 + index, np.zeros_like(index)
 
-    def field_lines(self, epoch_line, index, count, types):
+    def field_lines(self, rows, types):
         """Return the lines (k, 1) with the fields of satellites, the column of the first and how many are in a line."""
-        return (epoch_line + 1 + index)[:, None], 3, max(types, 1)
+        return (rows.line + 1 + rows.index)[:, None], 3, max(types, 1)
 
     year_width, clock_columns = 4, (41, 15)
 
@@ -217,21 +225,30 @@ class Version2:
         return max(count - 1, 0) // 12 + count * self._lines_a_satellite(len(self.state.types[""]))
 
     def check_inside(self, line, end, count):
-        """Nothing marks the next epoch: a wrong number is noticed at the line that should be an epoch line."""
+        """Raise where the file's last lines, wanted by this epoch, hold another epoch.
+
+        Elsewhere a wrong number is noticed at the line that should be an epoch line.
+        """
+        if end < len(self.lines):
+            return
+        for at in range(line + 1, end):
+            if _EPOCH_OF_VERSION_2.match(self.lines.text(at)):
+                problem = f"expected the lines of {count} satellites as this epoch announces, found an epoch in line {at + 1}"
+                raise RinexError(self.lines.file, problem, line + 1)
 
     def is_cut(self, line, flag):
         """Tell whether the last line of the file stops inside a field; a file that ends with a line end is whole."""
         last = len(self.lines) - 1
         return not self.lines.has_last_newline and last > line and 0 < int(self.lines.length[last]) % 16 < 14
 
-    def satellite_columns(self, epoch_line, index, count):
+    def satellite_columns(self, epoch_line, index):
         """Return line and column of the names of satellites: `index` counts them within their epoch."""
         return epoch_line + index // 12, 32 + 3 * (index % 12)
 
-    def field_lines(self, epoch_line, index, count, types):
+    def field_lines(self, rows, types):
         """Return the lines (k, l) with the fields of satellites, the column of the first and how many are in a line."""
         each = self._lines_a_satellite(types)
-        first = epoch_line + 1 + (count - 1) // 12 + index * each
+        first = rows.line + 1 + (rows.count - 1) // 12 + rows.index * each
         return first[:, None] + np.arange(each), 0, 5
 
     @staticmethod

@@ -72,7 +72,7 @@ def take_version(state, text, line=1):
     """Take the first line of the file: version, kind of file, system."""
     if _label(text) != "RINEX VERSION / TYPE":
         raise RinexError(state.file, f"expected 'RINEX VERSION / TYPE' in columns 61 to 80, found {quoted(text)}", line)
-    state.version = _number(state, text[:9], line, "a version number")
+    state.version = _number(state, (text[:20].split() or [""])[0], line, "a version number")
     _require_known_version(state, line)
     _require_observations(state, text, line)
     system = (text[40:41].strip() or "G").upper()
@@ -110,13 +110,13 @@ def _require_known_version(state, line):
 
 
 def _require_observations(state, text, line):
-    kind = (text[9:40].strip() or " ")[0].upper()
+    kind = (text[:20].split()[1:] or [text[20:40].strip() or " "])[0][0].upper()
     if kind == "O":
         return
     if kind in _OTHER_KINDS:
         what = f"this is a {_OTHER_KINDS[kind]} file; name the observation file here"
         raise RinexError(state.file, f"expected observation data, found {quoted(text[20:40].strip())}: {what}", line)
-    raise RinexError(state.file, f"expected 'OBSERVATION DATA' in columns 21 to 36, found {quoted(text[9:40])}", line)
+    raise RinexError(state.file, f"expected 'OBSERVATION DATA' in columns 21 to 36, found {quoted(text[9:40].strip())}", line)
 
 
 def _number(state, text, line, what="a number"):

@@ -2,6 +2,7 @@
 
 import gzip
 import os
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -41,10 +42,8 @@ def write_whole(path, content):
 
 
 def _remove(beside):
-    try:
+    with suppress(OSError, ValueError):  # the reason why it could not be written is said by the caller
         beside.unlink(missing_ok=True)
-    except (OSError, ValueError):
-        pass  # the reason why it could not be written is said by the caller
 
 
 def labelled(text, label):
@@ -158,10 +157,7 @@ def _row_texts(table):
         for number, (lli, ssi) in zip(numbers, flags, strict=False)
     ]
     width = shape[1]
-    return [
-        f"{table.system}{number:02d}{''.join(fields[at * width : (at + 1) * width])}".rstrip()
-        for at, number in enumerate(table.number.tolist())
-    ]
+    return [f"{table.system}{number:02d}{''.join(fields[at * width : (at + 1) * width])}".rstrip() for at, number in enumerate(table.number.tolist())]
 
 
 def _refuse_misfits(table, time, path):
