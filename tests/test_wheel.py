@@ -1,0 +1,81 @@
+"""The wheel: built, installed into an empty environment, used in an empty folder."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).resolve().parent.parent
+MINUTES = 5 * 60  # [s] until a step counts as stuck
+
+
+def call(*command, cwd):
+    """Run a program and return its stdout; fail with its stderr."""
+    environment = {name: value for name, value in os.environ.items() if name not in ("VIRTUAL_ENV", "PYTHONPATH", "GNSSLAB_DATA_MIRROR")}
+    done = subprocess.run([str(part) for part in command], cwd=cwd, env=environment, capture_output=True, text=True, timeout=MINUTES)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def uv():
+    """The program uv, which builds and installs."""
+    program = shutil.which("uv")
+    if program is None:
+        pytest.skip("uv is not installed: type `pip install uv`")
+    return program
+
+
+@pytest.fixture(scope="module")
+def wheel(uv, tmp_path_factory):
+    """The wheel of this checkout."""
+    folder = tmp_path_factory.mktemp("dist")
+    call(uv, "build", "--wheel", "--out-dir", folder, PROJECT, cwd=folder)
+    (path,) = folder.glob("gnsslab-*.whl")
+    return path
+
+
+@pytest.fixture(scope="module")
+def installed(uv, wheel, tmp_path_factory):
+    """The folder of programs of an environment with the wheel and nothing else, versions as pinned."""
+    folder = tmp_path_factory.mktemp("installed")
+    pins = folder / "pins.txt"
+    pins.write_text("\n".join(pinned()))
+    call(uv, "venv", "--python", sys.executable, folder / "venv", cwd=folder)
+    programs = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
+    call(uv, "pip", "install", "--python", programs / "python", "--constraints", pins, wheel, cwd=folder)
+    return programs
+
+
+def pinned():
+    import tomllib
+
+    return tomllib.loads((PROJECT / "pyproject.toml").read_text("utf-8"))["tool"]["uv"]["constraint-dependencies"]
+
+
+def test_the_wheel_is_small_and_holds_what_travels(wheel):
+    import zipfile
+
+    names = zipfile.ZipFile(wheel).namelist()
+    assert "gnsslab/share/datasets/registry.toml" in names
+    assert "gnsslab/share/datasets/cssrlib-078/SEPT078M.21P.gz" in names
+    assert "gnsslab/share/lessons/pyproject.toml" in names
+    assert any(name.startswith("gnsslab/share/lessons/00_") for name in names)
+    assert not any(name.startswith("tests/") or "__pycache__" in name or "__marimo__" in name for name in names)
+    assert wheel.stat().st_size < 1_000_000
+
+
+def test_the_installed_program_works_in_an_empty_folder(installed, tmp_path):
+    import gnsslab
+
+    assert call(installed / "gnsslab", "--version", cwd=tmp_path) == f"gnsslab {gnsslab.__version__}\n"
+    where = "from gnsslab.data.locations import project_folder as f; print(f('lessons')); print(f('datasets') / 'cssrlib-078')"
+    lessons, data = map(Path, call(installed / "python", "-c", where, cwd=tmp_path).split("\n")[:2])
+    assert PROJECT not in lessons.parents
+    assert list(lessons.glob("00_*.py"))
+    assert "60, one every 1 s" in call(installed / "gnsslab", "info", data / "SEPT078M1.21O.gz", cwd=tmp_path)
+    assert " lessons" in call(installed / "gnsslab", "doctor", cwd=tmp_path)
+    assert list(tmp_path.iterdir()) == []
