@@ -101,7 +101,7 @@ def locate(sky, mask):
     problem = Problem(satellite, sky.to_clock, np.full(sky.code.shape, ROUGH_SIGMA), sky.usable)
     position, rough = screened_position(problem, sky.clock_columns, _common_start(problem, sky.clock_columns))
     radius = np.where(rough.is_solved, np.linalg.norm(position, axis=-1), np.nan)
-    position = np.where(is_plausible(rough, radius)[:, None], position, np.nan)
+    position = np.where(is_plausible(rough, sky.usable, radius)[:, None], position, np.nan)
     for solve in (iterated_position, screened_position):
         located = _seen_from(position, sky, mask)
         problem = _corrected(sky, located, rough.used & located.above)
@@ -109,14 +109,18 @@ def locate(sky, mask):
     return located._replace(position=position, fit=fit, rough=rough, rough_radius=radius)
 
 
-def is_plausible(rough, radius):
+def is_plausible(rough, usable, radius):
     """Return which rough positions (T,) are worth refining: their codes agree, and they are neither deep in the Earth nor among the satellites."""
-    return is_consistent(rough) & (radius > LOWEST_RADIUS) & (radius < HIGHEST_RADIUS)
+    return is_trustworthy(rough, usable) & (radius > LOWEST_RADIUS) & (radius < HIGHEST_RADIUS)
 
 
-def is_consistent(fit):
-    """Return which solved epochs (T,) pass the chi-square test; with nothing redundant there is nothing to fail it."""
-    return fit.is_solved & (fit.chi_square <= chi_square_limit(fit.redundancy))
+def is_trustworthy(fit, candidates):
+    """Return which solved epochs (T,) pass the chi-square test after at most as many removals as their redundancy still bears.
+
+    j errors can be told apart from any other j only where redundancy was 2 j, so j is left after their removal.
+    """
+    removed = (candidates & ~fit.used).sum(axis=-1)
+    return fit.is_solved & (fit.chi_square <= chi_square_limit(fit.redundancy)) & (removed <= fit.redundancy)
 
 
 def chi_square_limit(redundancy):

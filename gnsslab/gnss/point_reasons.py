@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gnsslab.gnss.point_model import HIGHEST_RADIUS, LOWEST_RADIUS, is_consistent
+from gnsslab.gnss.point_model import HIGHEST_RADIUS, LOWEST_RADIUS, is_trustworthy
 from gnsslab.gnss.signals import SYSTEM_NAMES
 from gnsslab.gnss.times import iso_text
 
@@ -16,7 +16,7 @@ def no_solution_reasons(sky, located, mask):
     Asked in this order: measurements, ephemerides, satellites above the mask, geometry, residuals (chi-square of the fit).
     """
     reasons = np.full(len(sky.time), "", dtype="<U200")
-    good = is_consistent(located.fit) & (sigma_position(located.fit) < LARGEST_SIGMA)
+    good = is_trustworthy(located.fit, located.above) & (sigma_position(located.fit) < LARGEST_SIGMA)
     for epoch in np.flatnonzero(~good):
         reasons[epoch] = _reason(sky, located, mask, epoch)
     return reasons
@@ -41,7 +41,7 @@ def _rough_reason(sky, located, epoch):
     usable, radius = sky.usable[epoch], located.rough_radius[epoch]
     if not located.rough.is_solved[epoch]:
         return _too_few(sky, located.rough, epoch, usable, "with a code and an ephemeris")
-    if not is_consistent(located.rough)[epoch]:
+    if not is_trustworthy(located.rough, sky.usable)[epoch]:
         return _too_large(located.rough, epoch, usable)
     if not LOWEST_RADIUS < radius < HIGHEST_RADIUS:
         return f"the codes of {usable.sum()} satellites lead to a place {radius / 1e3:.0f} km from the centre of the Earth"
@@ -76,6 +76,8 @@ def _too_large(fit, epoch, seen):
     used = fit.used[epoch]
     rms = np.sqrt(np.mean(fit.residual[epoch, used] ** 2))
     removed = int(seen.sum() - used.sum())
+    if removed > fit.redundancy[epoch]:
+        return f"residuals too large: {removed} of {seen.sum()} satellites were taken out, more than the other {used.sum()} can vouch for"
     words = f"residuals too large: {rms:.1f} m rms with {used.sum()} satellites"
     return words if removed == 0 else f"{words} after {removed} were taken out"
 
