@@ -11,7 +11,7 @@ import numpy as np
 
 from gnsslab.core.rotations import rotation_from_heading_pitch_roll
 from gnsslab.gnss.delays import klobuchar, saastamoinen
-from gnsslab.gnss.ephemerides import Ephemerides
+from gnsslab.gnss.ephemerides import ARRAY_FIELDS, Ephemerides
 from gnsslab.gnss.frames import azimuth_elevation, ecef_from_geodetic, enu_rotation, geodetic_from_ecef
 from gnsslab.gnss.orbits import EARTH_RATE_WGS84, GRAVITATION, rotate_to_reception, satellite_states, select_ephemerides
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, frequency
@@ -72,7 +72,7 @@ def satellite_tracks(start, epochs, interval, systems, satellites, site, mask_de
     every = max(1, round(_SEARCH_EVERY / interval))
     elevation = _elevations_from_afar(_tracks(ephemerides, wanted, np.append(time[::every], time[-1])), site)
     rises = elevation.max(axis=0) > np.radians(mask_deg) - _SEARCH_MARGIN
-    return _tracks(ephemerides, [name for name, is_up in zip(wanted, rises, strict=True) if is_up], time)
+    return _locked(_tracks(ephemerides, [name for name, is_up in zip(wanted, rises, strict=True) if is_up], time))
 
 
 def body_in_ecef(preset, seconds):
@@ -96,6 +96,15 @@ def antenna_position(preset, receiver, seconds):
 def _site(preset):
     latitude, longitude, height = preset.site
     return ecef_from_geodetic([np.radians(latitude), np.radians(longitude), height])
+
+
+def _locked(tracks):
+    """Return the same tracks, their arrays made read-only: they are kept, and lent to every simulation of this sky."""
+    for name in ARRAY_FIELDS:
+        getattr(tracks.ephemerides, name).flags.writeable = False
+    for name in ("index", "position", "velocity", "acceleration", "clock", "clock_drift"):
+        getattr(tracks, name).flags.writeable = False
+    return tracks
 
 
 def _elevations_from_afar(tracks, site):

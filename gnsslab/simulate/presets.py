@@ -112,7 +112,7 @@ _PAPER_A = {
     "site": (25.286, 110.33, 150.0),
     "systems": "GC",
     "bands": 1,
-    "satellites": tuple([f"G{k:02d}" for k in range(1, 33)] + [f"C{k:02d}" for k in range(1, 15)]),
+    "satellites": tuple([f"G{k:02d}" for k in range(1, 33)] + [f"C{k:02d}" for k in (*range(1, 13), 14)]),
     "mask_deg": 15.0,
     "noise": Noise(
         code=0.7, carrier=0.003, doppler=0.05, code_multipath=0.4, code_multipath_time=20.0, carrier_multipath=0.0045, carrier_multipath_time=60.0
@@ -136,7 +136,7 @@ _ALL = (
         "paper-a-static",
         "Paper A: low-cost receivers at rest",
         "Every satellite loses lock at 300 and at 500 s: does the heading survive it?",
-        start="2019-03-12T04:00:00",
+        start="2019-03-12T17:00:00",
         duration=650.0,
         trajectory=Static(heading_deg=35.0),
         antennas=((0.0, 0.0, 0.0), (0.0, 1.167, 0.0)),
@@ -147,7 +147,7 @@ _ALL = (
         "paper-a-turntable",
         "Paper A: low-cost receivers on a turntable",
         "Still for 50 s, then 6 degrees a second; lock is lost at 150 s, and the master's epoch 218 is missing.",
-        start="2019-03-12T04:00:00",
+        start="2019-03-12T17:00:00",
         duration=300.0,
         trajectory=Turntable(still=50.0, rate_deg_s=6.0, heading_deg=35.0),
         antennas=((0.0, -0.5835, 0.0), (0.0, 0.5835, 0.0)),

@@ -3,6 +3,7 @@
 import numpy as np
 
 from gnsslab.gnss.observations import ObservationHeader, Observations, SystemTable
+from gnsslab.gnss.signals import USED_SYSTEMS
 from gnsslab.simulate.events import KINDS
 from gnsslab.simulate.geometry import antenna_position
 
@@ -12,7 +13,7 @@ _DB_PER_CLASS = 6.0  # signal strength class = C/N0 / 6 dB-Hz, from 1 to 9 (RINE
 
 def record(preset, measured, receiver):
     """Return the `Observations` of one receiver; epochs at which nothing was recorded are absent, as from a file."""
-    tables = [_table(system, one, receiver) for system, one in sorted(measured.items())]
+    tables = [_table(system, measured[system], receiver) for system in USED_SYSTEMS if system in measured]
     tables = [table for table in tables if len(table.epoch)]
     epochs = np.unique(np.concatenate([np.zeros(0, dtype=np.int32), *(table.epoch for table in tables)]))
     renumbered = {table.system: _with_epochs(table, np.searchsorted(epochs, table.epoch)) for table in tables}
@@ -52,6 +53,6 @@ def _strength_classes(value):
 def _header(preset, receiver):
     """Return the header; the position is the antenna's at the start, to the 0.1 mm a header holds."""
     position = np.round(antenna_position(preset, receiver, np.zeros(1))[0], 4)
-    is_base = preset.base is not None and receiver == 0
-    marker = "BASE" if is_base else f"ANT{receiver + 1}"
+    first_on_body = int(preset.base is not None)
+    marker = "BASE" if receiver < first_on_body else f"ANT{receiver + 1 - first_on_body}"
     return ObservationHeader(marker=marker, receiver="gnsslab simulator", antenna="NONE", position_ecef=position, interval=preset.interval)

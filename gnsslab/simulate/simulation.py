@@ -105,6 +105,7 @@ def _write_files(folder, simulation):
 def truth_text(truth):
     """Return the truth as CSV: the first baseline in metres to 0.01 mm, the angles in degrees to 1e-6."""
     angles = np.degrees(np.stack([truth.heading, truth.pitch, truth.roll], axis=-1))
-    rows = zip(truth.time, truth.baselines_enu[0], angles, strict=True)
+    baselines, angles = np.round(truth.baselines_enu[0], 5) + 0.0, np.round(angles, 6) + 0.0  # without negative zeros
+    rows = zip(truth.time, baselines, angles, strict=True)
     lines = (",".join([iso_text(time), *(f"{x:.5f}" for x in baseline), *(f"{x:.6f}" for x in angle)]) for time, baseline, angle in rows)
     return "\n".join([TRUTH_COLUMNS, *lines]) + "\n"

@@ -40,10 +40,10 @@ def broadcast_ephemerides(start, stop, systems="GECJ"):
     """Return the `Ephemerides` of all satellites of the systems that a receiver has collected from start to stop.
 
     start, stop: datetime64, GPS time. Data sets follow each other every 2 h (GPS), 1 h (BeiDou, QZSS) or 10 min (Galileo),
-    from two before start to one after stop. Numbers are rounded to the 13 digits of a RINEX file.
+    from three before start to one after stop. Numbers are rounded to the 13 digits of a RINEX file.
 
     >>> broadcast_ephemerides(np.datetime64("2024-06-24T08:00"), np.datetime64("2024-06-24T08:10"), "GJ")
-    Ephemerides: 146 data sets of 34 satellites
+    Ephemerides: 170 data sets of 34 satellites
     """
     _check_systems(systems)
     start, stop = (np.datetime64(label, "ns") for label in (start, stop))
@@ -161,10 +161,10 @@ def _data_sets(orbit, rank, start, stop):
 
 
 def _reference_times(system, start, stop):
-    """Return the times of ephemeris (k,): multiples of the repetition in the system's own time, two before start to one after stop."""
+    """Return the times of ephemeris (k,): multiples of the repetition in the system's own time, three before start to one after stop."""
     own = BDT_BEHIND_GPS if system == "C" else np.timedelta64(0, "s")
     first, last = (seconds_between(label - own, gps_time(0, 0.0)) / REPEAT[system] for label in (start, stop))
-    count = np.arange(np.floor(first) - 1, np.ceil(last) + 2)
+    count = np.arange(np.floor(first) - 2, np.ceil(last) + 2)
     return add_seconds(gps_time(0, 0.0) + own, count * REPEAT[system])
 
 
