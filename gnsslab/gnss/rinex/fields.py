@@ -122,10 +122,12 @@ def _flags(second):
 
 def _read_odd(value, first, second, at, has_flags):
     """Read one number that is not laid out as F14.3; False where it is no number or the flags are no digits."""
-    text = field_text(first[at], second[at])[:14].strip()
-    if (text and not _NUMBER.fullmatch(text)) or not has_flags[at]:
+    text = field_text(first[at], second[at])
+    runs_into_flags = text[10] != "." and text[13] != " " and text[14] != " "  # shifted to the right: not to be guessed at
+    number = text[:14].strip()
+    if runs_into_flags or (number and not _NUMBER.fullmatch(number)) or not has_flags[at]:
         return False
-    value[at] = float(text.upper().replace("D", "E")) if text else np.nan
+    value[at] = float(number.upper().replace("D", "E")) if number else np.nan
     return True
 
 
