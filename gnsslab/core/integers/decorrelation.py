@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.jit import kernel, kernel_input, matrix, vector
+from gnsslab.core.jit import kernel, kernel_input, matrix, part
 
 GOOD, NOT_FINITE, NOT_SYMMETRIC, NOT_POSITIVE, TOO_LARGE = range(5)
 
@@ -89,135 +89,37 @@ def raise_status(status, index):
 def decorrelate_kernel(Q):
     """Decorrelate one Q (n, n): returns Z (n, n), L (n, n), d (n) and a status, GOOD where the three are to be used."""
     n = len(Q)
-    U, d, T, W = matrix(n, n), vector(n), identity(n), identity(n)
-    status = decorrelate_in_place(Q, U, d, T, W)
-    return transposed(T), unit_lower(U), d, status
-
-
-@kernel
-def decorrelate_in_place(Q, U, d, T, W):
-    """Write U = L' and d of the decorrelated Q, and make T <- Z' T, W <- Z^-1 W; returns a status.
-
-    T (n, w) carries along whatever is to be decorrelated: float ambiguities in its columns, or the identity to get Z'.
-    W (n, n), the identity at first, brings integers back: a_k = sum over i of z_i W_ik.
-    """
-    status = copy_symmetric(Q, U)
-    if status == GOOD:
-        status = factor(U, d, T, W)
-    if status == GOOD:
-        permute(U, d, T, W)
-        status = shorten(U, T, W)
-    return status
-
-
-@kernel
-def copy_symmetric(Q, A):
-    """Write (Q + Q') / 2 to A; returns a status."""
-    n = len(Q)
+    M, W, d = matrix(n, 2 * n), matrix(n, n), matrix(1, n)[0]
     for i in range(n):
-        for j in range(i + 1):
-            difference, size = Q[i][j] - Q[j][i], Q[i][i] * Q[j][j]
-            A[i][j] = A[j][i] = 0.5 * (Q[i][j] + Q[j][i])
-            if not abs(A[i][j]) < math.inf:
-                return NOT_FINITE
-            if difference * difference > _ASYMMETRY * _ASYMMETRY * abs(size):
-                return NOT_SYMMETRIC
-    return GOOD
-
-
-@kernel
-def factor(U, d, T, W):
-    """Replace the covariance standing in U by its factors U and d, the smallest conditional variance last.
-
-    From the last row up: d_j = A_jj, U_ij = A_ij / d_j, A_ik <- A_ik - U_ij A_jk. Before each step the variable that is
-    known best, given those already taken, changes places with j.
-    """
-    n = len(d)
+        M[i][n + i] = 1.0
+    status = decorrelate_in_place(Q, M, W, d, 0.5)
+    Z, L = matrix(n, n), matrix(n, n)
     for i in range(n):
-        d[i] = U[i][i]
-    for j in range(n - 1, -1, -1):
-        best = j
-        for i in range(j):
-            if U[i][i] < U[best][best]:
-                best = i
-        if best != j:
-            for i in range(j + 1):
-                U[i][best], U[i][j] = U[i][j], U[i][best]
-            exchange(U, d, T, W, best, j)
-        A_j, variance, d[j] = U[j], d[j], U[j][j]
-        if not d[j] > n * _ROUNDING * variance:
-            return NOT_POSITIVE
-        for i in range(j):
-            A_i = U[i]
-            A_i[j] /= d[j]
-            for k in range(j):
-                A_i[k] -= A_i[j] * A_j[k]
-    return GOOD
+        L[i][i] = 1.0
+        for j in range(n):
+            Z[j][i] = M[i][n + j]
+            if j > i:
+                L[j][i] = M[i][j]
+    return Z, L, d, status
 
 
-@kernel
-def exchange(U, d, T, W, i, j):
-    """Let the variables i and j change places in all that has one row a variable."""
-    d[i], d[j] = d[j], d[i]
-    exchange_rows(U, i, j, 0)
-    exchange_rows(T, i, j, 0)
-    exchange_rows(W, i, j, 0)
+@part
+def decorrelate_in_place(Q, M, W, d, longest):
+    """Decorrelate: M = (U, T) (n, n + w) gets U = L' and Z' T, W (n, n) gets Z^-1; returns a status.
 
-
-@kernel
-def exchange_rows(A, i, j, start):
-    """Let the rows i and j of A change places, from column `start` on."""
-    A_i, A_j = A[i], A[j]
-    for k in range(start, len(A_i)):
-        A_i[k], A_j[k] = A_j[k], A_i[k]
-
-
-@kernel
-def permute(U, d, T, W):
-    """Exchange neighbours, after a Gauss step, while that makes a later conditional variance smaller.
-
-    With u = U_j,j+1 the variance of z_j given z_j+2 ... is d_j + u^2 d_j+1: less than d_j+1, z_j should come later.
+    T carries along whatever is to be decorrelated: float ambiguities as columns, or the identity to become Z'. W
+    brings integers back: a_k = sum over i of z_i W_ik. Entries of U up to `longest` are left as they are: 1/2 is full
+    decorrelation; the search, which needs the subdiagonal only, asks no more than that rounding errors stay small.
     """
+    status = factor(Q, M, W, d)
+    if status != GOOD:
+        return status
+    permute(M, W, d)
     n = len(d)
-    j = n - 2
-    while j >= 0:
-        u = U[j][j + 1]
-        mu = math.floor(u + 0.5)
-        u -= mu
-        later = d[j] + u * u * d[j + 1]
-        if later < _GAIN * d[j + 1]:
-            if mu != 0:
-                gauss(U, T, W, j, j + 1, mu)
-            exchange_neighbours(U, d, T, W, j, u, later)
-            j = min(j + 1, n - 2)
-        else:
-            j -= 1
-
-
-@kernel
-def exchange_neighbours(U, d, T, W, j, u, later):
-    """Exchange z_j and z_j+1, and refactor: d_j+1' = later, d_j' = d_j d_j+1 / later, u' = u d_j+1 / later."""
-    u_new, rest = u * d[j + 1] / later, d[j] / later
-    for i in range(j):
-        U_i = U[i]
-        a, b = U_i[j], U_i[j + 1]
-        U_i[j], U_i[j + 1] = b - u * a, u_new * b + rest * a
-    d[j], d[j + 1] = rest * d[j + 1], later
-    exchange_rows(U, j, j + 1, j + 2)
-    exchange_rows(T, j, j + 1, 0)
-    exchange_rows(W, j, j + 1, 0)
-    U[j][j + 1] = u_new
-
-
-@kernel
-def shorten(U, T, W):
-    """Make all |U_ij| <= 1/2 by Gauss steps; returns a status."""
-    n = len(U)
     for j in range(n - 2, -1, -1):
         for i in range(j + 1, n):
-            mu = math.floor(U[j][i] + 0.5)
-            if mu != 0:
-                gauss(U, T, W, j, i, mu)
+            if abs(M[j][i]) > longest:
+                gauss(M, W, j, i, math.floor(M[j][i] + 0.5))
     for i in range(n):
         for k in range(n):
             if abs(W[i][k]) > _EXACT:
@@ -225,52 +127,93 @@ def shorten(U, T, W):
     return GOOD
 
 
-@kernel
-def gauss(U, T, W, j, i, mu):
+@part
+def factor(Q, M, W, d):
+    """Write the factors U, d of Q, the smallest conditional variance last, and the permutation W; returns a status.
+
+    From the last row up: d_j = A_jj, U_ij = A_ij / d_j, A_ik <- A_ik - U_ij A_jk. Before each step the variable that is
+    known best, given those already taken, changes places with j.
+    """
+    n = len(d)
+    status = GOOD
+    for i in range(n):
+        d[i] = Q[i][i]
+        for j in range(n):
+            M[i][j] = 0.5 * (Q[i][j] + Q[j][i])
+            W[i][j] = 1.0 if i == j else 0.0
+            difference = Q[i][j] - Q[j][i]
+            if not abs(M[i][j]) < math.inf:
+                return NOT_FINITE
+            if difference * difference > _ASYMMETRY * _ASYMMETRY * abs(Q[i][i] * Q[j][j]):
+                return NOT_SYMMETRIC
+    for j in range(n - 1, -1, -1):
+        best = j
+        for i in range(j):
+            if M[i][i] < M[best][best]:
+                best = i
+        if best != j:
+            for i in range(j + 1):
+                M[i][best], M[i][j] = M[i][j], M[i][best]
+            d[best], d[j] = d[j], d[best]
+            exchange_rows(M, best, j, 0)
+            exchange_rows(W, best, j, 0)
+        M_j, variance = M[j], d[j]
+        d[j] = M_j[j]
+        if not d[j] > n * _ROUNDING * variance:
+            return NOT_POSITIVE
+        weight = 1.0 / d[j]
+        for i in range(j):
+            M_i = M[i]
+            u = M_i[j] = M_i[j] * weight
+            for k in range(j):
+                M_i[k] -= u * M_j[k]
+    return status
+
+
+@part
+def permute(M, W, d):
+    """Exchange neighbours, after a Gauss step, while that makes a later conditional variance smaller.
+
+    With u = U_j,j+1 the variance of z_j given z_j+2 ... is d_j + u^2 d_j+1: less than d_j+1, z_j should come later. Then
+    d_j+1' = d_j + u^2 d_j+1, d_j' = d_j d_j+1 / d_j+1', u' = u d_j+1 / d_j+1'.
+    """
+    n = len(d)
+    j = n - 2
+    while j >= 0:
+        mu = math.floor(M[j][j + 1] + 0.5)
+        u = M[j][j + 1] - mu
+        later = d[j] + u * u * d[j + 1]
+        if later >= _GAIN * d[j + 1]:
+            j -= 1
+            continue
+        if mu != 0:
+            gauss(M, W, j, j + 1, mu)
+        rest, u_new = d[j] / later, u * d[j + 1] / later
+        for i in range(j):
+            M_i = M[i]
+            a, b = M_i[j], M_i[j + 1]
+            M_i[j], M_i[j + 1] = b - u * a, u_new * b + rest * a
+        d[j], d[j + 1] = rest * d[j + 1], later
+        exchange_rows(M, j, j + 1, j + 2)
+        exchange_rows(W, j, j + 1, 0)
+        M[j][j + 1] = u_new
+        j = min(j + 1, n - 2)
+
+
+@part
+def exchange_rows(A, i, j, start):
+    """Let the rows i and j of A change places, from column `start` on."""
+    A_i, A_j = A[i], A[j]
+    for k in range(start, len(A_i)):
+        A_i[k], A_j[k] = A_j[k], A_i[k]
+
+
+@part
+def gauss(M, W, j, i, mu):
     """Replace z_j by z_j - mu z_i, i > j."""
-    U_j, U_i, T_j, T_i, W_j, W_i = U[j], U[i], T[j], T[i], W[j], W[i]
-    U_j[i] -= mu
-    for k in range(i + 1, len(U)):
-        U_j[k] -= mu * U_i[k]
-    for k in range(len(T_j)):
-        T_j[k] -= mu * T_i[k]
+    M_j, M_i, W_j, W_i = M[j], M[i], W[j], W[i]
+    M_j[i] -= mu
+    for k in range(i + 1, len(M_j)):
+        M_j[k] -= mu * M_i[k]
     for k in range(len(W_j)):
         W_i[k] += mu * W_j[k]
-
-
-@kernel
-def identity(n):
-    """Allocate the identity."""
-    A = matrix(n, n)
-    set_identity(A)
-    return A
-
-
-@kernel
-def set_identity(A):
-    """Overwrite a square A by the identity."""
-    for i in range(len(A)):
-        for j in range(len(A)):
-            A[i][j] = 1.0 if i == j else 0.0
-
-
-@kernel
-def transposed(A):
-    """Return A' of a square A."""
-    n = len(A)
-    B = matrix(n, n)
-    for i in range(n):
-        for j in range(n):
-            B[j][i] = A[i][j]
-    return B
-
-
-@kernel
-def unit_lower(U):
-    """Return L = U', reading U above its diagonal only."""
-    n = len(U)
-    L = identity(n)
-    for i in range(n):
-        for j in range(i + 1, n):
-            L[j][i] = U[i][j]
-    return L

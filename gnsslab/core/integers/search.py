@@ -18,12 +18,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, decorrelate_in_place, raise_status, set_identity
-from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, vector
+from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, decorrelate_in_place, raise_status
+from gnsslab.core.jit import kernel, kernel_input, matrix, part
 
 NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
 
 _NOT_A_FLOAT, _HAS_NO_FRACTION = -1, -2
+_LONGEST = 64.0
 _NO_FRACTION = 2.0**51  # float64 of this size and more come in steps of a half or an integer
 
 
@@ -105,8 +106,8 @@ def _grouped(a_hat, Q):
 
 
 def _as_record(candidates, norms, nodes, stack, n_best, node_limit):
-    nodes = np.asarray(nodes).reshape(stack)
-    candidates = np.asarray(candidates).reshape(*stack, n_best, -1)
+    nodes = np.asarray(nodes).reshape(stack).astype(np.int64)
+    candidates = np.asarray(candidates).reshape(*stack, n_best, -1).astype(np.int64)
     return IntegerSolution(candidates, np.asarray(norms).reshape(*stack, n_best), nodes, nodes < node_limit)
 
 
@@ -124,16 +125,15 @@ def _raise(status, problem, stack_Q, stack):
 def integer_least_squares_kernel(a_hat, Q, n_best, node_limit):
     """Fix one float vector a_hat (n,) with Q (n, n), from within another kernel.
 
-    Returns candidates (n_best, n) integers, norms (n_best,), nodes (the search was complete where below node_limit),
-    and a status: the rest is to be used where it is 0 (GOOD).
+    Returns candidates (n_best, n) integers as float64, norms (n_best,), nodes (the search was complete where below
+    node_limit), and a status: the rest is to be used where it is 0 (GOOD).
     """
     n = len(Q)
-    candidates, norms, nodes = integer_matrix(n_best, n), matrix(1, n_best), integer_matrix(1, 1)
-    a = matrix(1, n)
+    a, candidates, norms, nodes = matrix(1, n), matrix(n_best, n), matrix(1, n_best), matrix(1, 1)
     for k in range(n):
         a[0][k] = a_hat[k]
-    status = fix_group(a, Q, 0, candidates, norms, nodes, node_limit, workspace(n, 1))
-    return candidates, norms[0], nodes[0][0], status
+    status = fix_group(a, Q, 0, candidates, norms, nodes, node_limit, matrix(n, n + 1), matrix(n, n), matrix(n, n + 1), matrix(7, n))
+    return candidates, norms[0], int(nodes[0][0]), status
 
 
 @kernel
@@ -144,160 +144,122 @@ def fix_groups(a, Q, n_best, node_limit):
     not GOOD, the group it happened in.
     """
     groups, n = len(Q), len(Q[0])
-    m = len(a[0]) if groups > 0 else 0
+    m = len(a[0])
     rows = groups * m
-    candidates, norms, nodes = integer_matrix(rows * n_best, n), matrix(rows, n_best), integer_matrix(rows, 1)
-    work = workspace(n, m)
-    for group in range(groups):
-        status = fix_group(a[group], Q[group], group * m, candidates, norms, nodes, node_limit, work)
-        if status != GOOD:
-            return candidates, norms, nodes, status, group
-    return candidates, norms, nodes, GOOD, groups
+    candidates, norms, nodes = matrix(rows * n_best, n), matrix(rows, n_best), matrix(rows, 1)
+    M, W, S, levels = matrix(n, n + m), matrix(n, n), matrix(n, n + 1), matrix(7, n)
+    status, group = GOOD, 0
+    while status == GOOD and group < groups:
+        status = fix_group(a[group], Q[group], group * m, candidates, norms, nodes, node_limit, M, W, S, levels)
+        group += 1
+    return candidates, norms, nodes, status, group - 1
 
 
-@kernel
-def workspace(n, m):
-    """Allocate what one group needs: U, T, W of the decorrelation, S and six rows of the search, its integers."""
-    return matrix(n, n), matrix(n, m), matrix(n, n), matrix(n, n + 1), matrix(6, n), integer_matrix(2, n)
+@part
+def fix_group(a, Q, first, candidates, norms, nodes, node_limit, M, W, S, levels):
+    """Decorrelate Q once and search for each row of a (m, n); results go to the rows from `first` on.
 
-
-@kernel
-def fix_group(a, Q, first, candidates, norms, nodes, node_limit, work):
-    """Decorrelate Q once and search for each row of a (m, n); results go to the rows from `first` on."""
-    U, T, W, S, levels, integers = work
-    n, m, n_best = len(Q), len(a), len(norms[0])
-    status = split(a, T)
-    set_identity(W)
-    if status == GOOD:
-        status = decorrelate_in_place(Q, U, levels[0], T, W)
-    if status != GOOD:
-        return status
-    for v in range(m):
-        row = first + v
-        for k in range(n):
-            S[k][n] = T[k][v]
-        nodes[row][0] = search_in_place(U, S, candidates, row * n_best, norms[row], node_limit, levels, integers)
-        for b in range(row * n_best, (row + 1) * n_best):
-            restore(candidates[b], a[v], W, integers[0])
-    return GOOD
-
-
-@kernel
-def split(a, T):
-    """Write the fractions of a (m, n), less than half a cycle, to T (n, m); returns a status.
-
-    The integer parts are added to the candidates at the end, exactly: 1e8 cycles times an entry of Z would cost digits.
+    Only the fractions of a are decorrelated; the integer parts are added at the end, exactly: 1e8 cycles times the
+    entries of Z would cost digits.
     """
+    n, n_best = len(Q), len(norms[0])
     for v in range(len(a)):
-        for k in range(len(a[v])):
+        for k in range(n):
             if not abs(a[v][k]) < _NO_FRACTION:
                 return _HAS_NO_FRACTION if abs(a[v][k]) < math.inf else _NOT_A_FLOAT
-            T[k][v] = a[v][k] - math.floor(a[v][k] + 0.5)
-    return GOOD
-
-
-@kernel
-def restore(candidate, a, W, z):
-    """Replace a candidate z by a = W' z plus the integer part of the float a."""
-    n = len(z)
-    for k in range(n):
-        z[k] = candidate[k]
-        candidate[k] = math.floor(a[k] + 0.5)
-    for i in range(n):
-        W_i, z_i = W[i], z[i]
+            M[k][n + v] = a[v][k] - math.floor(a[v][k] + 0.5)
+    status = decorrelate_in_place(Q, M, W, levels[0], _LONGEST)
+    if status != GOOD:
+        return status
+    for v in range(len(a)):
+        row, a_v = first + v, a[v]
         for k in range(n):
-            candidate[k] += z_i * int(W_i[k])
+            S[k][n] = M[k][n + v]
+        nodes[row][0] = search_in_place(M, S, candidates, row * n_best, norms[row], node_limit, levels)
+        for b in range(row * n_best, row * n_best + n_best):
+            z, candidate = levels[1], candidates[b]
+            for k in range(n):
+                z[k] = candidate[k]
+                candidate[k] = math.floor(a_v[k] + 0.5)
+            for i in range(n):
+                W_i, z_i = W[i], z[i]
+                for k in range(n):
+                    candidate[k] += z_i * W_i[k]
+    return GOOD
 
 
 @kernel
 def search_kernel(z_hat, L, d, n_best, node_limit):
     """Search the n_best integer vectors nearest to z_hat (n,) in the metric of L' diag(d) L, from another kernel.
 
-    Returns candidates (n_best, n) integers best first, norms (n_best,), nodes (complete where below node_limit).
+    Returns candidates (n_best, n) integers as float64, best first, norms (n_best,), nodes (complete where below
+    node_limit).
     """
     n = len(d)
-    candidates, norms = integer_matrix(n_best, n), vector(n_best)
-    U, S, levels, integers = matrix(n, n), matrix(n, n + 1), matrix(6, n), integer_matrix(2, n)
+    candidates, norms = matrix(n_best, n), matrix(1, n_best)[0]
+    U, S, levels = matrix(n, n), matrix(n, n + 1), matrix(7, n)
     for i in range(n):
         S[i][n] = z_hat[i]
         levels[0][i] = d[i]
         for j in range(i):
             U[j][i] = L[i][j]
-    nodes = search_in_place(U, S, candidates, 0, norms, node_limit, levels, integers)
+    nodes = search_in_place(U, S, candidates, 0, norms, node_limit, levels)
     return candidates, norms, nodes
 
 
-@kernel
-def search_in_place(U, S, candidates, first, norms, node_limit, levels, integers):
+@part
+def search_in_place(U, S, candidates, first, norms, node_limit, levels):
     """Search the tree; writes candidates from row `first` on, and norms; returns the nodes visited.
 
     U = L' (n, n), d in levels[0], z_hat in the last column of S (n, n + 1), whose column i holds z_hat_k plus the sum
     from i on: a level looked at again adds only the terms that changed, those up to stale_k.
     """
-    n = len(U)
-    d, c, z, step, above, e = levels[0], levels[1], levels[2], levels[3], levels[4], levels[5]
-    stale = integers[1]
+    n, last = len(S), len(norms) - 1
+    d, z, c, e, step, above, stale = levels[0], levels[1], levels[2], levels[3], levels[4], levels[5], levels[6]
     for k in range(n):
         stale[k] = n - 1
-    for b in range(len(norms)):
+    for b in range(last + 1):
         norms[b] = math.inf
-    k, nodes, bound = n - 1, 0, math.inf
-    above[k] = 0.0
-    start_level(k, S[k][n], c, z, step)
+    k, nodes, norm, down = n, 0, 0.0, True
     while nodes < node_limit:
         nodes += 1
-        e[k] = z[k] - c[k]
-        norm = above[k] + e[k] * e[k] / d[k]
-        if norm < bound and k > 0:
+        if down:
             k -= 1
             above[k] = norm
-            start_level(k, conditional(k, U[k], S[k], e, stale), c, z, step)
-            continue
-        if norm < bound:
-            insert(candidates, first, norms, z, norm)
-            bound = norms[len(norms) - 1]
+            oldest, S_k, U_k = int(stale[k]), S[k], U[k]
+            for i in range(oldest, k, -1):
+                S_k[i] = S_k[i + 1] + e[i] * U_k[i]
+            if k > 0 and stale[k - 1] < oldest:
+                stale[k - 1] = oldest
+            stale[k] = k + 1
+            c[k] = S_k[k + 1]
+            z[k] = math.floor(c[k] + 0.5)
+            step[k] = 1.0 if c[k] > z[k] else -1.0
         else:
+            z[k] += step[k]
+            step[k] = -step[k] - math.copysign(1.0, step[k])
+        e[k] = z[k] - c[k]
+        norm = above[k] + e[k] * e[k] / d[k]
+        within = norm < norms[last]
+        down = within and k > 0
+        if within and k == 0:
+            insert(candidates, first, norms, z, norm)
+        elif not within:
             k += 1
             if k == n:
                 break
-        z[k] += step[k]
-        step[k] = -step[k] - math.copysign(1.0, step[k])
     return nodes
 
 
-@kernel
-def conditional(k, U_k, S_k, e, stale):
-    """Return c_k = z_hat_k + sum over i > k of e_i U_ki, e = z - c."""
-    for i in range(stale[k], k, -1):
-        S_k[i] = S_k[i + 1] + e[i] * U_k[i]
-    if k > 0 and stale[k - 1] < stale[k]:
-        stale[k - 1] = stale[k]
-    stale[k] = k + 1
-    return S_k[k + 1]
-
-
-@kernel
-def start_level(k, c_k, c, z, step):
-    """Begin level k with the integer nearest to c_k; the next one lies on the other side of c_k."""
-    c[k] = c_k
-    z[k] = math.floor(c_k + 0.5)
-    step[k] = 1.0 if c_k > z[k] else -1.0
-
-
-@kernel
+@part
 def insert(candidates, first, norms, z, norm):
     """Put z among the candidates, which stand in the order of their norms; the last one drops out."""
     b = len(norms) - 1
     while b > 0 and norms[b - 1] > norm:
         norms[b] = norms[b - 1]
-        copy_integers(candidates[first + b - 1], candidates[first + b])
+        for k in range(len(z)):
+            candidates[first + b][k] = candidates[first + b - 1][k]
         b -= 1
     norms[b] = norm
-    copy_integers(z, candidates[first + b])
-
-
-@kernel
-def copy_integers(a, b):
-    """Copy a to b as integers."""
-    for k in range(len(a)):
-        b[k] = int(a[k])
+    for k in range(len(z)):
+        candidates[first + b][k] = z[k]
