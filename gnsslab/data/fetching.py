@@ -24,7 +24,7 @@ def fetch(name, progress=None):
         return _mirror_folder_checked(dataset)
     done = 0
     for file in dataset.files:
-        dataset_path(name, file.name, _shifted(progress, done, dataset.size))
+        dataset_path(name, file.name, _shifted(progress, done, file.size, dataset.size))
         done += file.size
     return cache_folder() / name
 
@@ -139,9 +139,9 @@ def _state(dataset, record):
     return "not here yet" if record.url else "not here, no public address: needs GNSSLAB_DATA_MIRROR"
 
 
-def _shifted(progress, before, total):
-    """Return a callback for one file that reports to the callback of the whole set."""
-    return (lambda done, _: progress(before + done, total)) if progress else None
+def _shifted(progress, before, size, total):
+    """Return a callback for one file that reports to the callback of the whole set; pooch counts full blocks at the file's end."""
+    return (lambda done, _: progress(before + min(done, size), total)) if progress else None
 
 
 class _PoochProgress:

@@ -34,7 +34,7 @@ def python():
 def packages():
     """Check each package that gnsslab needs: there, new enough, and whether this version was tested."""
     project = tomllib.loads(project_file("pyproject.toml").read_text(encoding="utf-8"))
-    tested = tested_versions(project["tool"]["uv"]["constraint-dependencies"])
+    tested = versions_tested(project["tool"]["uv"]["constraint-dependencies"])
     needed = [re.split(r"[ ;><=~!]", requirement)[0] for requirement in project["project"]["dependencies"]]
     return [package(name, tested.get(name, ())) for name in needed]
 
@@ -51,10 +51,10 @@ def package(name, tested):
     return Finding("well", f"{name} {installed}, as tested")
 
 
-def tested_versions(pins):
+def versions_tested(pins):
     """Return the versions of each package among lines `name==version ; marker`.
 
-    >>> tested_versions(["numpy==2.4.6 ; python_full_version < '3.12'", "numpy==2.5.5"])
+    >>> versions_tested(["numpy==2.4.6 ; python_full_version < '3.12'", "numpy==2.5.5"])
     {'numpy': ('2.4.6', '2.5.5')}
     """
     tested = {}
