@@ -54,7 +54,7 @@ def satellite_states(ephemerides, satellites, time, transit):
     index = select_ephemerides(ephemerides, satellites, time)
     is_known = (index >= 0) & np.isfinite(transit)
     row, epoch = index[is_known], np.nonzero(is_known)[0]
-    elements = _elements(ephemerides, row)
+    elements = orbit_elements(ephemerides, row)
     sent_after_toc = (time[epoch] - ephemerides.toc[row]) / NANOSECOND / 1e9 - transit[is_known]
     sent_after_toe = (time[epoch] - ephemerides.toe[row]) / NANOSECOND / 1e9 - transit[is_known]
     offset = _clock_iterated(elements, sent_after_toc)
@@ -261,7 +261,7 @@ def _clock_polynomial(el, t):
     return el.af0 + (el.af1 + el.af2 * t) * t, el.af1 + 2 * el.af2 * t
 
 
-def _elements(ephemerides, row):
+def orbit_elements(ephemerides, row):
     """Gather the parameters of rows (n,), deriving mean motion and the like once a data set."""
     eph = ephemerides
     mu, earth_rate = _by_system(eph, GRAVITATION), _by_system(eph, EARTH_RATE)
