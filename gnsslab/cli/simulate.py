@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-EXAMPLE = "Example: gnsslab simulate --list     or: gnsslab simulate PRESET -o mydata --seed 1"
+EXAMPLE = "Example: gnsslab simulate --list     or: gnsslab simulate static-baseline -o mydata --seed 1"
 
 Preset = Annotated[str | None, typer.Argument(metavar="PRESET", hidden=True)]
 Output = Annotated[str | None, typer.Option("-o", "--output", metavar="DIR", show_default=False, help="Folder to write into.")]
@@ -34,21 +34,22 @@ def _say_presets():
 
     width = max(len(name) for name in PRESETS)
     for name, preset in PRESETS.items():
-        print(f"{name:{width}}  {getattr(preset, 'title', '')}".rstrip())
+        print(f"{name:{width}}  {preset.title}")
 
 
 def _simulate(given, name, folder, seed):
-    from gnsslab.cli.outputs import check_folder, write_provenance
-    from gnsslab.simulate import PRESETS, write_simulation
-    from gnsslab.simulate import simulate as simulated
-
-    if name not in PRESETS:
-        raise ValueError(f"there is no preset {name!r}: expected one of {', '.join(PRESETS)}")
-    if seed < 0:
-        raise ValueError(f"--seed {seed}: expected a whole number, zero or above")
     import numpy as np
 
+    from gnsslab.cli.outputs import check_folder, write_provenance
+    from gnsslab.simulate import find_preset, write_simulation
+    from gnsslab.simulate import simulate as simulated
+
+    if seed < 0:
+        raise ValueError(f"--seed {seed}: expected a whole number, zero or above")
+    preset = find_preset(name)
     check_folder(folder)
-    written = write_simulation(folder, simulated(PRESETS[name], np.random.default_rng(seed)))
-    write_provenance([f"{folder}/simulation"], "simulate", {k: v for k, v in given.items() if k != "list_"})
-    print(f"written to {folder}: {', '.join(path.name for path in written)}")
+    written = write_simulation(folder, simulated(preset, np.random.default_rng(seed)))
+    names = ", ".join(path.name for path in written)
+    options = {key: value for key, value in given.items() if key != "list_"}
+    write_provenance([f"{folder}/simulation"], "simulate", options, notes=[f"made {names}"])
+    print(f"written to {folder}: {names}")
