@@ -68,6 +68,7 @@ def _claims(preset):
     latitude, longitude, height = preset.site
     yield abs(latitude) <= 90 and abs(longitude) <= 360, f"site is latitude and longitude in degrees and height in metres; it is {preset.site}"
     yield -1000 < height < 20_000, f"the site's height must be from -1000 to 20000 m; it is {height}"
+    yield _is_time(preset.start), f"start is a GPS time such as 2024-06-24T08:20:00; it is {preset.start!r}"
     yield preset.interval > 0, f"interval must be above zero [s]; it is {preset.interval}"
     yield preset.epochs >= 1, f"duration must hold one interval of {preset.interval} s at least; it is {preset.duration} s"
     yield preset.systems and set(preset.systems) <= set(SIGNALS), f"systems are the letters G, E, C and J; they are {preset.systems!r}"
@@ -79,6 +80,13 @@ def _claims(preset):
     yield len(preset.clocks) == preset.receivers, f"{preset.receivers} receivers need as many clocks; there are {len(preset.clocks)}"
     for event in preset.events:
         yield from event_claims(event, preset.epochs, preset.receivers, preset.systems)
+
+
+def _is_time(text):
+    try:
+        return not np.isnat(np.datetime64(text, "ns"))
+    except ValueError:
+        return False
 
 
 def find_preset(name):

@@ -25,8 +25,8 @@ def _table(system, measured, receiver):
     values = np.moveaxis(measured.value[:, receiver], 0, -1)  # (T, m, b, 4)
     epoch, column = np.nonzero(np.isfinite(values[..., 0]).any(axis=-1))
     number = np.array([int(name[1:]) for name in measured.satellites], dtype=np.int16)
-    value = _rounded(values[epoch, column]).reshape(len(epoch), -1)
     codes = tuple(kind + signal for signal in measured.signals for kind in KINDS)
+    value = _rounded(values[epoch, column]).reshape(len(epoch), len(codes))
     lli = np.zeros(value.shape, dtype=np.uint8)
     lli[:, 1 :: len(KINDS)] = measured.lli[receiver][epoch, column]
     return SystemTable(system, codes, epoch.astype(np.int32), number[column], value, lli, _strength_classes(value))
