@@ -102,10 +102,12 @@ def locate(sky, mask):
     position, rough = screened_position(problem, sky.clock_columns, _common_start(problem, sky.clock_columns))
     radius = np.where(rough.is_solved, np.linalg.norm(position, axis=-1), np.nan)
     position = np.where(is_plausible(rough, sky.usable, radius)[:, None], position, np.nan)
-    for solve in (iterated_position, screened_position):
+    kept = rough.used
+    for _ in range(2):
         located = _seen_from(position, sky, mask)
-        problem = _corrected(sky, located, rough.used & located.above)
-        position, fit = solve(problem, sky.clock_columns, position)
+        problem = _corrected(sky, located, kept & located.above)
+        position, fit = screened_position(problem, sky.clock_columns, position)
+        kept = fit.used
     return located._replace(position=position, fit=fit, rough=rough, rough_radius=radius)
 
 

@@ -53,9 +53,8 @@ def _fine_reason(sky, located, mask, epoch):
     fit, above = located.fit, located.above[epoch]
     if not fit.is_solved[epoch]:
         return _too_few(sky, fit, epoch, above, f"above {np.degrees(mask):g} deg")
-    sigma = sigma_position(fit)[epoch]
-    if not sigma < LARGEST_SIGMA:
-        return f"geometry too weak: {fit.used[epoch].sum()} satellites leave a sigma of {sigma:.0f} m"
+    if not sigma_position(fit)[epoch] < LARGEST_SIGMA:
+        return f"geometry too weak: {fit.used[epoch].sum()} satellites leave a sigma above {LARGEST_SIGMA:g} m"
     return _too_large(fit, epoch, above)
 
 

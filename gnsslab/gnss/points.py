@@ -3,6 +3,8 @@
 code = |x_sat - x_rec| + clock_system - c dt_sat + troposphere + ionosphere + group delay + e     (one clock a system)
 """
 
+import re
+from collections import Counter
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 
@@ -67,9 +69,10 @@ class Points:
         return weight @ self.position_ecef[solved] / weight.sum()
 
     def main_reason(self):
-        """Return the reason most unsolved epochs give, empty where all are solved."""
-        reasons, counts = np.unique(self.reason[~self.is_solved], return_counts=True)
-        return str(reasons[np.argmax(counts)]) if len(reasons) else ""
+        """Return a reason of the kind most unsolved epochs give (numbers aside), empty where all are solved."""
+        reasons = self.reason[~self.is_solved].tolist()
+        kinds = [re.sub(r"\d+", "#", reason) for reason in reasons]
+        return reasons[kinds.index(Counter(kinds).most_common(1)[0][0])] if reasons else ""
 
     def __repr__(self):
         solved = int(self.is_solved.sum())
