@@ -13,6 +13,11 @@ _EPOCH_OF_VERSION_2 = re.compile(r" [ \d]\d( [ \d]\d){4}[ \d]{2}\d\.\d{7}  \d[ \
 _EVENTS = {2: "the antenna starts to move", 3: "a new site is occupied", 4: "header lines", 5: "an external event"}
 
 
+def is_epoch_of_version_2(text):
+    """Tell whether a line looks like an epoch line of RINEX 2: nothing marks it but where its numbers stand."""
+    return _EPOCH_OF_VERSION_2.match(text) is not None
+
+
 @dataclass
 class Epochs:
     """Epoch lines that are followed by satellites, and what else was met on the way."""
@@ -99,7 +104,7 @@ def _take_event(lines, state, epochs, line, end, flag):
 
 def _whole_number(file, line, text, what):
     if not (text.strip().isascii() and text.strip().isdigit()):
-        raise RinexError(file, f"expected {what}, found {quoted(text)}", line + 1)
+        raise RinexError(file, f"expected {what}, found {quoted(text.strip())}", line + 1)
     return int(text)
 
 
@@ -206,7 +211,7 @@ class Version2:
     """Epochs of RINEX 2: satellites are named in the epoch line, twelve a line; five fields a line follow for each."""
 
     def __init__(self, lines, state, first):
-        self.lines, self.state = lines, state
+        self.lines, self.state, self.before = lines, state, None
 
     def take_regular(self, epochs, line):
         """Nothing marks an epoch line in RINEX 2, so each is found from the one before."""
@@ -216,6 +221,7 @@ class Version2:
         """Return flag and number of satellites (or header lines) of an epoch line."""
         text = self.lines.text(line)
         if text[18:19] != "." and text[:26].strip():
+            self._refuse_epochs_inside(self.before, line)
             hint = "does the epoch before announce another number of satellites than follow?"
             raise RinexError(self.lines.file, f"expected an epoch line, found {quoted(text)}; {hint}", line + 1)
         return _checked_head(self.lines, line, text[26:29], text[29:32])
@@ -229,11 +235,16 @@ class Version2:
 
         Elsewhere a wrong number is noticed at the line that should be an epoch line.
         """
-        if end < len(self.lines):
+        self.before = line
+        if end == len(self.lines):
+            self._refuse_epochs_inside(line, end)
+
+    def _refuse_epochs_inside(self, line, end):
+        if line is None:
             return
         for at in range(line + 1, end):
-            if _EPOCH_OF_VERSION_2.match(self.lines.text(at)):
-                problem = f"expected the lines of {count} satellites as this epoch announces, found an epoch in line {at + 1}"
+            if is_epoch_of_version_2(self.lines.text(at)):
+                problem = f"expected more lines in this epoch, as the satellites it announces need, found an epoch in line {at + 1}"
                 raise RinexError(self.lines.file, problem, line + 1)
 
     def is_cut(self, line, flag):

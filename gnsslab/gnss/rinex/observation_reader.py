@@ -9,7 +9,7 @@ import numpy as np
 
 from gnsslab.gnss.observations import Observations, SystemTable
 from gnsslab.gnss.rinex.epoch_times import epoch_times
-from gnsslab.gnss.rinex.epochs import CYCLE_SLIPS, OBSERVED, POWER_FAILURE, Version2, Version3, find_epochs
+from gnsslab.gnss.rinex.epochs import CYCLE_SLIPS, OBSERVED, POWER_FAILURE, Version2, Version3, find_epochs, is_epoch_of_version_2
 from gnsslab.gnss.rinex.errors import RinexError, quoted
 from gnsslab.gnss.rinex.headers import HeaderState, check_types, take_header_line, take_version
 from gnsslab.gnss.rinex.lines import Lines
@@ -60,9 +60,15 @@ def _read_header(content, path):
         elif take_header_line(state, text, line) == _END_OF_HEADER:
             check_types(state, line)
             return state, line
-        elif text.startswith("> ") and state.version >= 3 and not text[60:].strip():
+        elif _starts_epoch(state, text):
             raise RinexError(path, f"expected {_END_OF_HEADER!r} before the first epoch, found {quoted(text)}", line)
     raise RinexError(path, f"expected {_END_OF_HEADER!r}, found the end of the file", line)
+
+
+def _starts_epoch(state, text):
+    if state.version < 3:
+        return is_epoch_of_version_2(text)
+    return text.startswith("> ") and not text[60:].strip()
 
 
 def _split(content):

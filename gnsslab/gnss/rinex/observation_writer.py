@@ -22,8 +22,10 @@ def write_rinex_obs(path, observations):
 
     Values are rounded to 0.001 and times to 100 ns, as the format has it; NaN becomes blank. The file appears whole or
     not at all: it is written beside its place under another name first. Raises RinexError where the path cannot be
-    written or a value does not fit into its columns.
+    written, a value does not fit into its columns or no satellite was observed.
     """
+    if not observations.tables:
+        raise RinexError(path, "there is nothing to write: these observations have no satellite")
     lines = [*_header_lines(observations), *_epoch_lines(observations, path), ""]
     write_whole(path, "\n".join(lines).encode("ascii", errors="replace"))
 

@@ -120,8 +120,8 @@ def test_version_2_codes_in_names_of_version_3(system, types, expected):
 
 
 def test_version_2_12_codes():
-    types = tuple("CA LA CB LB CC LC P1 L1 P2 L2".split())
-    assert columns_of_version("G", types, 2.12) == tuple("C1C L1C C1X L1X C2X L2X C1W L1W C2W L2W".split())
+    types = tuple(["CA", "LA", "CB", "LB", "CC", "LC", "P1", "L1", "P2", "L2"])
+    assert columns_of_version("G", types, 2.12) == tuple(["C1C", "L1C", "C1X", "L1X", "C2X", "L2X", "C1W", "L1W", "C2W", "L2W"])
     assert columns_of_version("R", ("CA", "LA", "CD", "LD"), 2.12) == ("C1C", "L1C", "C2C", "L2C")
 
 
