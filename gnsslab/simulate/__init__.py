@@ -1,6 +1,14 @@
-"""From truth to measurements."""
+"""From truth to measurements: `simulate(preset, rng)`, or `prepare_geometry(preset)` once and `observe(geometry, noise, rng)` again and again."""
 
+from gnsslab.simulate.events import Gap, GrossError, HalfCycle, Outage, Slip
+from gnsslab.simulate.geometry import Geometry, prepare_geometry
 from gnsslab.simulate.presets import PRESETS, Preset, find_preset, with_length
-from gnsslab.simulate.simulation import Simulation, Truth, observe, prepare_geometry, simulate, write_simulation
+from gnsslab.simulate.receivers import LOW_COST, NO_NOISE, SURVEY, Clock, Noise
+from gnsslab.simulate.simulation import Simulation, Truth, observe, simulate, write_simulation
+from gnsslab.simulate.trajectories import Car, Hop, Ship, Static, Turntable
 
-__all__ = ["PRESETS", "Preset", "Simulation", "Truth", "find_preset", "observe", "prepare_geometry", "simulate", "with_length", "write_simulation"]
+__all__ = [
+    "LOW_COST", "NO_NOISE", "PRESETS", "SURVEY", "Car", "Clock", "Gap", "Geometry", "GrossError", "HalfCycle", "Hop", "Noise", "Outage", "Preset",
+    "Ship", "Simulation", "Slip", "Static", "Truth", "Turntable", "find_preset", "observe", "prepare_geometry", "simulate", "with_length",
+    "write_simulation",
+]  # fmt: skip

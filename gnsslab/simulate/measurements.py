@@ -7,7 +7,7 @@ import numpy as np
 from gnsslab.gnss.orbits import group_delay
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, frequency
 from gnsslab.simulate.events import Axes, gross_errors, half_cycles, silent, slipped_cycles
-from gnsslab.simulate.receivers import cn0_at, gauss_markov, multipath_factor, sends, signals_of, white_factor
+from gnsslab.simulate.receivers import cn0_at, gauss_markov, hardware_delay, multipath_factor, sends, signals_of, white_factor
 
 _INTEGERS_UP_TO = 100_000  # first ambiguities [cycles]
 
@@ -36,6 +36,7 @@ def _measure_system(geometry, noise, rng, system, columns):
     halves, half_flags = half_cycles(preset.events, axes)
     elevation = geometry.elevation[..., columns]
     value = _noise_free(geometry, system, columns, axes.signals)
+    value[0] += np.reshape([hardware_delay(system, receiver) for receiver in range(preset.receivers)], (-1, 1, 1, 1))
     value[1] += integers + fractions[:, np.newaxis, np.newaxis] + halves
     value += _errors(noise, rng, elevation, preset.interval, system, axes) + gross_errors(preset.events, axes)
     is_recorded = _recorded(preset, elevation, axes)

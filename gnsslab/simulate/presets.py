@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gnsslab.simulate.events import Gap, Outage, Slip, event_claims
-from gnsslab.simulate.receivers import SIGNALS, Clock, Noise
+from gnsslab.simulate.receivers import LOW_COST, SIGNALS, SURVEY, Clock, Noise
 from gnsslab.simulate.sky import NOMINAL_IONOSPHERE
 from gnsslab.simulate.trajectories import Car, Hop, Ship, Static, Turntable
 
@@ -36,7 +36,7 @@ class Preset:
     mask_deg: float = 5.0  # nothing is recorded below
     base: tuple[float, float, float] | None = None  # east, north, up [m] of a base at rest from the site
     clocks: tuple[Clock, ...] = _TWO_CLOCKS
-    noise: Noise = Noise()  # noqa: RUF009 - a frozen record
+    noise: Noise = SURVEY
     events: tuple = ()
     ionosphere: tuple[float, ...] | None = NOMINAL_IONOSPHERE  # Klobuchar coefficients of the true ionosphere; None: none
     humidity: float | None = 0.7  # of the true (Saastamoinen) troposphere; None: no troposphere
@@ -127,7 +127,6 @@ _PAPER_A = {
     ),
 }
 _ROOF = (35.1347, 136.9776, 104.9)
-_LOW_COST = Noise(code=0.6, carrier=0.002, doppler=0.05, code_multipath=0.4, carrier_multipath=0.003)
 
 _ALL = (
     Preset(
@@ -172,7 +171,7 @@ _ALL = (
         Car(centre_enu=(800.0, 600.0, 0.0)),
         ((0.0, 0.0, 1.5),),
         base=(0.0, 0.0, 0.0),
-        noise=_LOW_COST,
+        noise=LOW_COST,
         events=(Outage(150, 154, antennas=(1,)),),
     ),
     Preset(
@@ -184,7 +183,7 @@ _ALL = (
         300.0,
         Ship(),
         ((0.3, -1.0, 8.0), (0.3, 1.0, 8.0)),
-        noise=_LOW_COST,
+        noise=LOW_COST,
     ),
     Preset(
         "drone-hop",
@@ -208,7 +207,7 @@ _ALL = (
         Ship(speed=0.0, turn_deg_s=1.0, heave=0.2),
         ((0.0, 0.0, 0.0), (0.0, 1.2, 0.0), (1.0, 0.0, 0.0), (1.0, 1.2, 0.3)),
         clocks=(*_TWO_CLOCKS, Clock(1e-5, 2e-9), Clock(-8e-6, 5e-9)),
-        noise=_LOW_COST,
+        noise=LOW_COST,
     ),
     Preset(
         "static-rtk-5km",

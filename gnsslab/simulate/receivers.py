@@ -13,6 +13,8 @@ SIGNALS = {
 }
 _GPS_WITH_L5 = frozenset((1, 3, 4, 6, 8, 9, 10, 11, 14, 18, 23, 24, 25, 26, 27, 28, 30, 32))  # blocks IIF and III, as of 2024
 _LAST_OF_BEIDOU_2 = 18
+_HARDWARE_DELAY = {"G": 0.0, "J": 0.4, "E": 3.1, "C": -11.7}  # [m], of usual size
+_NEGLIGIBLE = 1e-17  # a weight below this changes no double
 _LOWEST = np.radians(1.0)  # the laws by elevation stop growing here
 
 
@@ -42,6 +44,8 @@ class Noise:
                 raise ValueError(f"noise {each.name!r} must be {limit}; it is {value}")
 
 
+SURVEY = Noise()  # a geodetic receiver and antenna on a good site
+LOW_COST = Noise(code=0.6, carrier=0.002, doppler=0.05, code_multipath=0.4, carrier_multipath=0.003)  # a patch antenna on a car's roof
 NO_NOISE = Noise(code=0.0, carrier=0.0, doppler=0.0, code_multipath=0.0, carrier_multipath=0.0, cn0=0.0)
 
 
@@ -88,6 +92,15 @@ def sends(satellite, signal):
     return True
 
 
+def hardware_delay(system, receiver):
+    """Return the delay [m] of a system's codes in the k-th receiver, against GPS: what makes inter-system biases; no two receivers have the same.
+
+    >>> hardware_delay("G", 1), hardware_delay("E", 0)
+    (0.0, 3.1)
+    """
+    return _HARDWARE_DELAY[system] * (1 + 0.25 * receiver)
+
+
 def white_factor(elevation):
     """Return how much white noise has grown at elevations [rad] from the zenith: sqrt(1/2 + 1/(2 sin^2 el)).
 
@@ -120,12 +133,17 @@ def gauss_markov(white, interval, correlation_time):
 
     x_k = a x_{k-1} + sqrt(1 - a^2) w_k,  a = exp(-interval / correlation_time),  x_0 = w_0.
 
+    The recursion is the filter 1 / (1 - a B), B one step back, and 1 / (1 - a B) = (1 + a B)(1 + a^2 B^2)(1 + a^4 B^4)...:
+    a factor is one operation on the whole array, and ten reach back over a thousand epochs.
+
     >>> gauss_markov(np.ones((2, 1, 1)), 1.0, 1.0)[1].round(4).item()         # 0.3679 + sqrt(1 - 0.1353)
     1.2978
     """
     a = np.exp(-interval / correlation_time)
     series = np.array(white, dtype=float)
     series[..., 1:, :, :] *= np.sqrt(1 - a * a)
-    for k in range(1, series.shape[-3]):
-        series[..., k, :, :] += a * series[..., k - 1, :, :]
+    back = 1
+    while back < series.shape[-3] and a > _NEGLIGIBLE:
+        series[..., back:, :, :] += a * series[..., :-back, :, :]
+        back, a = 2 * back, a * a
     return series

@@ -11,7 +11,7 @@ from gnsslab.gnss.signals import SPEED_OF_LIGHT, wavelength
 from gnsslab.simulate import PRESETS, prepare_geometry
 from gnsslab.simulate.geometry import antenna_position
 from gnsslab.simulate.measurements import measure
-from gnsslab.simulate.receivers import NO_NOISE, Clock, Noise, white_factor
+from gnsslab.simulate.receivers import NO_NOISE, Clock, Noise, hardware_delay, white_factor
 from gnsslab.simulate.trajectories import Ship
 
 MM = 1e-3
@@ -81,8 +81,9 @@ def test_code_minus_phase_is_the_ambiguity_alone_without_air():
             left = one.value[0][..., b] - wavelength(system, signal[0]) * (one.value[1][..., b] - ambiguity)
             left = left[..., np.isfinite(left).all(axis=(0, 1))]
             assert left.shape[-1] >= 2
-            assert np.ptp(left, axis=(0, 1)).max() < 0.01 * MM  # the same for both receivers, at all epochs
-            assert np.abs(left).max() < 10  # [m]: 33 ns of group delay
+            assert np.ptp(left, axis=1).max() < 0.01 * MM  # the same at all epochs
+            assert np.ptp(left[1] - left[0]) < 0.01 * MM  # the satellites' delays are the same for both receivers, a system's delay remains
+            assert np.abs(left).max() < 20  # [m]: 33 ns of group delay, 12 m in the receiver
 
 
 def test_ionosphere_delays_the_code_and_advances_the_phase():
@@ -214,6 +215,24 @@ def test_the_tangent_plane_of_the_site_and_the_level_of_the_body():
     site = ecef_from_geodetic([*np.radians(preset.site[:2]), preset.site[2]])
     baseline = enu_rotation(site) @ (antenna_position(preset, 1, np.zeros(1))[0] - antenna_position(preset, 0, np.zeros(1))[0])
     assert np.allclose(baseline, [3000.0, 4000.0, 35.0], atol=1e-6)
+
+
+def test_receivers_delay_the_systems_differently():
+    """Without this nothing would tell an engine with one clock for all systems from one with a clock for each."""
+    delays = [[hardware_delay(system, receiver) for system in "GECJ"] for receiver in (0, 1)]
+    _, systems = measured(without_air(PRESETS["static-baseline"]))
+    assert len({delay for row in delays for delay in row}) == 7  # GPS is zero in both
+    for system, expected in zip("GECJ", np.subtract(*delays[::-1]), strict=True):
+        one = systems[system]
+        code = one.value[0] - geometry_of(one, system)
+        step = np.diff(code, axis=0)[np.isfinite(np.diff(code, axis=0))]
+        assert step == pytest.approx(expected, abs=0.01 * MM)
+
+
+def geometry_of(one, system):
+    """Return what code and carrier share (R, T, m, b): the carrier [m] without its ambiguity."""
+    lam = np.array([wavelength(system, signal[0]) for signal in one.signals])
+    return (one.value[1] - one.integers - one.fractions[:, np.newaxis, np.newaxis]) * lam
 
 
 def test_no_satellite_at_all_is_said():

@@ -137,6 +137,15 @@ def test_single_points_recover_the_truth_of_a_quiet_simulation(name):
         assert np.abs(points.position_ecef - true).max() < 2 * MM  # codes are rounded to 1 mm
 
 
+@pytest.mark.parametrize("site", [(-33.0, -70.0, 500.0), (89.9, 10.0, 0.0), (0.0, 180.0, 3000.0), (90.0, 0.0, 0.0)])
+def test_any_place_and_the_turn_of_the_week_will_do(site):
+    preset = replace(SHORT, site=site, start="2024-06-22T23:59:50", noise=NO_NOISE)
+    simulation = of_seed(preset, 1)
+    points = gl.solve_points(simulation.observations[0], simulation.ephemerides)
+    assert np.abs(points.position_ecef - simulation.truth.position_ecef).max() < 5 * MM  # rounding, geometry of the poles
+    assert np.linalg.norm(simulation.truth.baselines_enu[0], axis=-1) == pytest.approx(1.167, abs=1e-6)
+
+
 def test_noise_and_length_find_the_sky_ready():
     satellite_tracks.cache_clear()
     geometry = prepare_geometry(SHORT)
