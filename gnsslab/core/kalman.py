@@ -18,7 +18,7 @@ def predict(x, P, F, Q, offset):
 
     >>> import numpy as np
     >>> x, P = np.array([1.0, 5.0]), np.eye(2)
-    >>> predict(x, P, [[2.0]], [[0.5]], [0.0])
+    >>> predict(x, P, np.array([[2.0]]), np.array([[0.5]]), np.array([0.0]))
     >>> x.tolist(), P.tolist()
     ([2.0, 5.0], [[4.5, 0.0], [0.0, 1.0]])
     """

@@ -34,6 +34,7 @@ class Block(NamedTuple):
     sigma_code: np.ndarray  # (T, k) [m], of the single difference
     sigma_phase: np.ndarray  # (T, k) [m]
     slip: np.ndarray  # (T, k) 1 where the ambiguity starts anew, else 0
+    drift: np.ndarray  # (T,) [m^2], variance that every ambiguity gains since the epoch before
     wavelength: np.ndarray  # (k,) [m]
     channel: np.ndarray  # (d,) int, a double difference is this channel
     reference: np.ndarray  # (d,) int, minus this one
@@ -72,6 +73,7 @@ def _filter_epochs(x, P, block):
     rows = matrix(T, 26)
     for t in range(T):
         predict(x, P, block.F[t], block.Q[t], block.offset[t])
+        _loosen(P, block, t)
         rho, u = _ranges(block.anchors[t], block.near[t])
         _update_by_code(x, P, block, t, rho, u)
         rows[t][25] = _update_by_phase(x, P, block, t, rho, u)
@@ -79,6 +81,14 @@ def _filter_epochs(x, P, block):
         _copy_baseline(x, P, rows[t], 12)
         rows[t][24] = _fix(x, P, block, rows[t])
     return rows
+
+
+@kernel
+def _loosen(P, block, t):
+    """Let the ambiguities drift, in place: multipath moves the carrier slowly, and no average of hours may be believed to the micrometre."""
+    p = len(block.offset[t])
+    for i in range(len(block.wavelength)):
+        P[p + i][p + i] += block.drift[t] / block.wavelength[i] ** 2
 
 
 @kernel

@@ -14,6 +14,7 @@ class Solution(NamedTuple):
 
     outcome: Outcome
     satellites: np.ndarray  # (T,) int, in at least one double difference
+    integers: np.ndarray  # (T,) int, how many double differences had their integer sought
 
 
 class _State(NamedTuple):
@@ -33,7 +34,7 @@ def run_blocks(model, path, progress=None):
     p = path.offset.shape[1]
     state = _State(np.zeros(p), np.zeros((p, p)), np.zeros(0, int))
     last_seen = np.full(c, -1)
-    outcomes, satellites = [], np.zeros(T, int)
+    outcomes, satellites, integers = [], np.zeros(T, int), np.zeros(T, int)
     for first, end in _spans(model.usable):
         channels = np.flatnonzero(model.usable[first])
         block = _block(model, path, slice(first, end), channels)
@@ -44,9 +45,10 @@ def run_blocks(model, path, progress=None):
         last_seen[channels] = end - 1
         outcomes.append(outcome)
         satellites[first:end] = len(np.unique(model.pair.satellite[channels[[*block.channel, *block.reference]]]))
+        integers[first:end] = len(block.channel)
         if progress:
             progress(end, T)
-    return Solution(Outcome(*map(np.concatenate, zip(*outcomes, strict=True))), satellites)
+    return Solution(Outcome(*map(np.concatenate, zip(*outcomes, strict=True))), satellites, integers)
 
 
 def _spans(usable):
@@ -71,6 +73,7 @@ def _block(model, path, span, channels):
         sigma_code=model.sigma_code[dense],
         sigma_phase=model.sigma_phase[dense],
         slip=model.slip[dense] | path.forgets[span, None],
+        drift=path.drift[span],
         wavelength=model.pair.wavelength[channels],
         channel=channel,
         reference=reference,
@@ -91,4 +94,3 @@ def _rearranged(state, channels, p):
     x = np.where(known, state.x[source], 0.0)
     P = np.where(known[:, None] & known, state.P[np.ix_(source, source)], 0.0)
     return x, P
-

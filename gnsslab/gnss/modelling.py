@@ -8,7 +8,7 @@ from gnsslab.gnss.delays import saastamoinen
 from gnsslab.gnss.differences import Pair
 from gnsslab.gnss.frames import azimuth_elevation, enu_rotation, geodetic_from_ecef
 from gnsslab.gnss.orbits import rotate_to_reception, satellite_states
-from gnsslab.gnss.screening import cycle_slips, has_half_cycle
+from gnsslab.gnss.screening import cycle_slips, has_half_cycle, is_shadowed
 from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.gnss.weighting import sigma_code, sigma_phase
 
@@ -25,7 +25,7 @@ class Model:
     sigma_code: np.ndarray  # (T, c) [m], of the single difference
     sigma_phase: np.ndarray  # (T, c) [m]
     elevation: np.ndarray  # (T, c) [rad]
-    usable: np.ndarray  # (T, c) bool: measured, healthy, above the mask, no half cycle in doubt
+    usable: np.ndarray  # (T, c) bool: measured, healthy, above the mask, no half cycle in doubt, no shadow
     slip: np.ndarray  # (T, c) bool: the ambiguity starts anew
 
 
@@ -88,7 +88,7 @@ def _satellite_codes(pair, tracks):
 
 def _usable(pair, known, elevation, mask):
     measured = np.isfinite(pair.rover.code + pair.master.code + pair.rover.phase + pair.master.phase + known)
-    return measured & (elevation >= mask) & ~has_half_cycle(pair)
+    return measured & (elevation >= mask) & ~has_half_cycle(pair) & ~is_shadowed(pair)
 
 
 def _single_difference_sigma(sigma, noise, pair, elevation):

@@ -19,7 +19,6 @@ from gnsslab.gnss.points import solve_points
 from gnsslab.gnss.signals import USED_SYSTEMS
 from gnsslab.gnss.weighting import NoiseModel
 
-RATIO_THRESHOLD = 3.0  # second best over best squared norm
 FEWEST_SATELLITES = 4
 _POINT_MASK_DEG = 10.0
 
@@ -43,7 +42,7 @@ class Settings:
     single_epoch: bool = False  # nothing is carried from one epoch to the next
     noise: NoiseModel = NoiseModel()
     acceleration: float = 3.0  # [m/s^2 per sqrt(Hz)] of a moving rover, see motion.moving
-    ratio_threshold: float = RATIO_THRESHOLD
+    acceptance: float = 16.0  # c of `ratio_threshold`
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +88,19 @@ def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
     return _solve(master, rover, points.position_ecef, ephemerides, _motion(settings, static=False), settings, progress)
 
 
+def ratio_threshold(n, acceptance=16.0):
+    """Return the least ratio of second best to best squared norm at which the best of n integers is believed: max(1.5, 1 + c / n).
+
+    The posterior odds of best against second best are exp((s2 - s1) / 2). With the noise level judged by s1 / n itself this
+    asks (s2 - s1) / (s1 / n) >= c, odds of e^8 = 3000 at c = 16: a ratio of 3 at n = 8 as usual, 5 at n = 4, less where many
+    integers agree. Close to the thresholds fitted to fixed failure rates in RTKLIB demo5 (1.7 at 20, 1.4 at 30 for a nominal 3).
+
+    >>> ratio_threshold(np.array([4, 8, 64])).tolist()
+    [5.0, 3.0, 1.5]
+    """
+    return np.maximum(1.5, 1.0 + acceptance / np.maximum(n, 1))
+
+
 def station_position(base, ephemerides):
     """Return the ECEF position (3,) [m] of a base's antenna reference point.
 
@@ -115,7 +127,7 @@ def _solve(master, rover, master_ecef, ephemerides, path_of, settings, progress)
     rover_ecef = _filled(points.position_ecef)[pair.epoch]
     model = build_model(pair, master_ecef, rover_ecef, ephemerides, np.radians(settings.mask_deg), settings.noise)
     solution = run_blocks(model, path_of(pair.time, model.near), progress)
-    return _relative(rover.time, pair.epoch, master_ecef, solution, settings.ratio_threshold)
+    return _relative(rover.time, pair.epoch, master_ecef, solution, settings.acceptance)
 
 
 def _filled(position):
@@ -128,10 +140,10 @@ def _filled(position):
     return position[source]
 
 
-def _relative(time, epoch, master_ecef, solution, ratio_threshold):
+def _relative(time, epoch, master_ecef, solution, acceptance):
     """Return the Relative of all rover epochs (T_all,) from the Solution at the common ones, `epoch` (T,) among them."""
     outcome = solution.outcome
-    status = np.where(outcome.ratio >= ratio_threshold, Status.FIXED, Status.FLOAT)
+    status = np.where(outcome.ratio >= ratio_threshold(solution.integers, acceptance), Status.FIXED, Status.FLOAT)
     status[solution.satellites < FEWEST_SATELLITES] = Status.NONE
     is_fixed = (status == Status.FIXED)[:, None]
     baseline = np.where(is_fixed, outcome.baseline_fixed, outcome.baseline_float)

@@ -6,6 +6,7 @@ from gnsslab.gnss.observations import HALF_CYCLE, SLIP
 from gnsslab.gnss.times import seconds_between
 
 LONGEST_GAP = 5  # epochs a channel may be missing and still continue its count when no slip is flagged
+SHADOW_LOSS = 6.0  # [dB] below the other antenna: what a signal loses when its satellite stands just behind an edge (knife-edge diffraction)
 _GEOMETRY_FREE_JUMP = 0.05  # [m]: one cycle on one of two bands moves the combination by 54 mm at least (L1 against L2)
 _LONGEST_IONOSPHERE_STEP = 60.0  # [s]: beyond, the ionosphere itself may move the combination by centimetres
 _DOPPLER_JUMP = 1.5  # [cycles]: the mean Doppler of two epochs predicts the phase to about a cycle
@@ -15,6 +16,21 @@ _LONGEST_DOPPLER_STEP = 2.0  # [s]: beyond, accelerations spoil that prediction
 def has_half_cycle(pair):
     """Return (T, c) bool: the carrier of either receiver may be off by half a cycle."""
     return ((pair.master.lli | pair.rover.lli) & HALF_CYCLE) > 0
+
+
+def is_shadowed(pair):
+    """Return (T, c) bool: one of the two antennas receives the signal so much weaker than the other that it comes round an edge.
+
+    A diffracted carrier is longer by centimetres to decimetres, and changes slowly, so nothing else betrays it (Brunner,
+    Hartinger and Troyer 1999). The usual difference of the two receivers, the median over a group, is no loss.
+    """
+    loss = pair.rover.cn0 - pair.master.cn0
+    for group in np.unique(pair.group):
+        members = pair.group == group
+        known = loss[:, members][np.isfinite(loss[:, members])]
+        loss[:, members] -= np.median(known) if len(known) else 0.0
+    with np.errstate(invalid="ignore"):
+        return np.abs(loss) > SHADOW_LOSS
 
 
 def cycle_slips(pair, usable):
