@@ -86,7 +86,7 @@ _PER_SATELLITE = ("used", "residual", "azimuth", "elevation")
 def solve_points(observations, ephemerides, *, systems=USED_SYSTEMS, mask_deg=10.0, epochs=None):
     """Return the `Points` of one receiver: position, clocks, Doppler velocity and their covariances at every epoch.
 
-    Weighted least squares on the codes of the first band of each system, one clock a system, repeated until it moves less than 0.1 mm;
+    Weighted least squares on the codes of the first band of each system, one clock a system, repeated until nothing is left to move;
     a satellite with a normalised residual above 4 is taken out, one at a time. Broadcast ionosphere, Saastamoinen troposphere.
     `epochs` (indices, mask or slice) picks some epochs; `mask_deg` is the lowest elevation used. An epoch without a
     solution is NaN with the reason in words; an unknown system raises ValueError.

@@ -13,7 +13,7 @@ from gnsslab.gnss.dense import single_frequency_codes
 from gnsslab.gnss.ephemerides import ARRAY_FIELDS, Ephemerides
 from gnsslab.gnss.frames import ecef_from_geodetic, enu_rotation, geodetic_from_ecef
 from gnsslab.gnss.observations import ObservationHeader, Observations, SystemTable
-from gnsslab.gnss.orbits import EARTH_RATE_WGS84, satellite_states
+from gnsslab.gnss.orbits import EARTH_RATE_WGS84, rotate_to_reception, satellite_states
 from gnsslab.gnss.points import PointStatus, dilution_of_precision, solve_points
 from gnsslab.gnss.rinex import read_rinex_nav, read_rinex_obs
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, frequency
@@ -214,6 +214,38 @@ def test_gross_errors_are_found_and_cost_nothing(sky, observations):
         assert np.abs(screened.position_ecef - NAGOYA).max() < 0.5 * mm
     both = with_code(observations, "G", lambda code, epoch, number: code + 1e4 * np.isin(number, visible[:2]))
     assert np.abs(solve_points(both, sky).position_ecef - NAGOYA).max() < 0.5 * mm
+
+
+def test_more_errors_than_the_rest_can_vouch_for_are_admitted(sky, observations):
+    """Six satellites, redundancy two, two of them wrong: two errors can pass for two others, so there is no position."""
+    points = solve_points(observations, sky, systems="G")
+    used = [int(name[1:]) for name, used in zip(points.names, points.used.all(axis=0), strict=True) if used]
+    six = with_code(observations, "G", lambda code, epoch, number: np.where(np.isin(number, used[:6]), code, np.nan))
+    assert solve_points(six, sky, systems="G").is_solved.all()
+    wrong = with_code(six, "G", lambda code, epoch, number: code + 5e3 * (number == used[0]) - 3e3 * (number == used[1]))
+    points = solve_points(wrong, sky, systems="G")
+    assert not points.is_solved.any()
+    assert "residuals too large" in points.main_reason()
+
+
+def test_travel_times_are_those_of_the_turning_earth(sky, observations):
+    states = satellite_states(sky, ("G06", "E09", "C12"), observations.time, np.full((5, 3), 0.08))
+    tau = np.full((5, 3), 0.08)
+    for _ in range(5):
+        tau = model.lines_of_sight(rotate_to_reception(states.position, tau), NAGOYA)[1] / SPEED_OF_LIGHT
+    of_first_order = model.travel_times(states.position, NAGOYA)
+    assert np.abs(of_first_order - tau).max() * SPEED_OF_LIGHT < 0.3 * mm
+    still = np.linalg.norm(states.position - NAGOYA, axis=-1) / SPEED_OF_LIGHT
+    assert np.abs(still - tau).max() * SPEED_OF_LIGHT > 1 * m  # the Sagnac effect itself
+
+
+def test_the_mean_position_weighs_epochs_by_their_covariance(sky, observations):
+    points = solve_points(observations, sky)
+    weight = np.array([1 / np.trace(Q) for Q in points.Q_position])
+    expected = sum(w * x for w, x in zip(weight, points.position_ecef, strict=True)) / weight.sum()
+    np.testing.assert_allclose(points.mean_position(), expected, atol=1e-6)
+    assert points.main_reason() == ""
+    np.testing.assert_allclose(ecef_from_geodetic(points.geodetic), points.position_ecef, atol=1e-6)
 
 
 # --- statistics ---
