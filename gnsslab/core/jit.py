@@ -30,39 +30,26 @@ def kernel(function):
     """
     if not COMPILED:
         return function
-    try:
-        return numba.njit(cache=True, error_model="numpy")(function)
-    except RuntimeError:  # "no locator available": no folder for the cache
-        return numba.njit(error_model="numpy")(function)
-
-
-def part(function):
-    """Compile a function that is only called by other kernels: without an entry for Python it compiles in half the time.
-
-    Its plain source, for a test, is `function.py_func` where compiled.
-    """
-    if not COMPILED:
-        return function
-    options = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    options = {"error_model": "numpy", "no_cfunc_wrapper": True}  # the wrapper for C would double the smallest compilations
     try:
         return numba.njit(cache=True, **options)(function)
-    except RuntimeError:
+    except RuntimeError:  # "no locator available": no folder for the cache
         return numba.njit(**options)(function)
 
 
 if COMPILED:
 
-    @part
+    @kernel
     def vector(n):
         """Allocate n zeros."""
         return np.zeros(n)
 
-    @part
+    @kernel
     def matrix(rows, columns):
         """Allocate rows x columns zeros, indexed as A[i][j]."""
         return np.zeros((rows, columns))
 
-    @part
+    @kernel
     def integer_matrix(rows, columns):
         """Allocate rows x columns integer zeros, indexed as A[i][j]."""
         return np.zeros((rows, columns), dtype=np.int64)

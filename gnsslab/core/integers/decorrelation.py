@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.jit import kernel, kernel_input, matrix, part
+from gnsslab.core.jit import kernel, kernel_input, matrix
 
 GOOD, NOT_FINITE, NOT_SYMMETRIC, NOT_POSITIVE, TOO_LARGE = range(5)
 
@@ -56,8 +56,9 @@ def decorrelate(Q):
     Q = checked_covariance(Q)
     Z, L, d = np.empty(Q.shape, dtype=np.int64), np.empty(Q.shape), np.empty(Q.shape[:-1])
     for index in np.ndindex(Q.shape[:-2]):
-        Z[index], L[index], d[index], status = decorrelate_kernel(kernel_input(Q[index]))
+        *result, status = decorrelate_kernel(kernel_input(Q[index]))
         raise_status(status, index)
+        Z[index], L[index], d[index] = result
     return Decorrelation(Z, L, d)
 
 
@@ -98,12 +99,14 @@ def decorrelate_kernel(Q):
         L[i][i] = 1.0
         for j in range(n):
             Z[j][i] = M[i][n + j]
+            if abs(Z[j][i]) > _EXACT:
+                status = TOO_LARGE
             if j > i:
                 L[j][i] = M[i][j]
     return Z, L, d, status
 
 
-@part
+@kernel
 def decorrelate_in_place(Q, M, W, d, longest):
     """Decorrelate: M = (U, T) (n, n + w) gets U = L' and Z' T, W (n, n) gets Z^-1; returns a status.
 
@@ -116,10 +119,8 @@ def decorrelate_in_place(Q, M, W, d, longest):
         return status
     permute(M, W, d)
     n = len(d)
-    for j in range(n - 2, -1, -1):
-        for i in range(j + 1, n):
-            if abs(M[j][i]) > longest:
-                gauss(M, W, j, i, math.floor(M[j][i] + 0.5))
+    for j in range(n - 1, -1, -1):
+        shorten(M, W, j, longest)
     for i in range(n):
         for k in range(n):
             if abs(W[i][k]) > _EXACT:
@@ -127,7 +128,7 @@ def decorrelate_in_place(Q, M, W, d, longest):
     return GOOD
 
 
-@part
+@kernel
 def factor(Q, M, W, d):
     """Write the factors U, d of Q, the smallest conditional variance last, and the permutation W; returns a status.
 
@@ -170,7 +171,7 @@ def factor(Q, M, W, d):
     return status
 
 
-@part
+@kernel
 def permute(M, W, d):
     """Exchange neighbours, after a Gauss step, while that makes a later conditional variance smaller.
 
@@ -188,6 +189,8 @@ def permute(M, W, d):
             continue
         if mu != 0:
             gauss(M, W, j, j + 1, mu)
+        if abs(mu) > 1:
+            shorten(M, W, j, 0.5)
         rest, u_new = d[j] / later, u * d[j + 1] / later
         for i in range(j):
             M_i = M[i]
@@ -200,7 +203,15 @@ def permute(M, W, d):
         j = min(j + 1, n - 2)
 
 
-@part
+@kernel
+def shorten(M, W, j, longest):
+    """Make the entries of row j of U that are above `longest` at most 1/2, by Gauss steps."""
+    for i in range(j + 1, len(M)):
+        if abs(M[j][i]) > longest:
+            gauss(M, W, j, i, math.floor(M[j][i] + 0.5))
+
+
+@kernel
 def exchange_rows(A, i, j, start):
     """Let the rows i and j of A change places, from column `start` on."""
     A_i, A_j = A[i], A[j]
@@ -208,7 +219,7 @@ def exchange_rows(A, i, j, start):
         A_i[k], A_j[k] = A_j[k], A_i[k]
 
 
-@part
+@kernel
 def gauss(M, W, j, i, mu):
     """Replace z_j by z_j - mu z_i, i > j."""
     M_j, M_i, W_j, W_i = M[j], M[i], W[j], W[i]

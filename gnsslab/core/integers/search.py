@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, decorrelate_in_place, raise_status
-from gnsslab.core.jit import kernel, kernel_input, matrix, part
+from gnsslab.core.jit import kernel, kernel_input, matrix
 
 NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
 
@@ -81,7 +81,7 @@ def integer_least_squares(a_hat, Q, n_best=2, *, node_limit=NODE_LIMIT):
     candidates, norms, nodes, status, problem = fix_groups(*groups, n_best, node_limit)
     if status != GOOD:
         _raise(status, problem, Q.shape[:-2], stack)
-    return _as_record(candidates, norms, nodes, stack, n_best, node_limit)
+    return _as_record(candidates, norms, nodes, (stack, n_best, Q.shape[-1]), node_limit)
 
 
 def _checked_count(count, name):
@@ -105,9 +105,10 @@ def _grouped(a_hat, Q):
     return stack, (kernel_input(a_hat.reshape(-1, 1, n)), kernel_input(Q.reshape(-1, n, n)))
 
 
-def _as_record(candidates, norms, nodes, stack, n_best, node_limit):
-    nodes = np.asarray(nodes).reshape(stack).astype(np.int64)
-    candidates = np.asarray(candidates).reshape(*stack, n_best, -1).astype(np.int64)
+def _as_record(candidates, norms, nodes, shape, node_limit):
+    stack, n_best, n = shape
+    candidates = np.asarray(candidates).astype(np.int64).reshape(*stack, n_best, n)
+    nodes = np.asarray(nodes).astype(np.int64).reshape(stack)
     return IntegerSolution(candidates, np.asarray(norms).reshape(*stack, n_best), nodes, nodes < node_limit)
 
 
@@ -144,7 +145,7 @@ def fix_groups(a, Q, n_best, node_limit):
     not GOOD, the group it happened in.
     """
     groups, n = len(Q), len(Q[0])
-    m = len(a[0])
+    m = len(a[0]) if groups > 0 else 0
     rows = groups * m
     candidates, norms, nodes = matrix(rows * n_best, n), matrix(rows, n_best), matrix(rows, 1)
     M, W, S, levels = matrix(n, n + m), matrix(n, n), matrix(n, n + 1), matrix(7, n)
@@ -155,7 +156,7 @@ def fix_groups(a, Q, n_best, node_limit):
     return candidates, norms, nodes, status, group - 1
 
 
-@part
+@kernel
 def fix_group(a, Q, first, candidates, norms, nodes, node_limit, M, W, S, levels):
     """Decorrelate Q once and search for each row of a (m, n); results go to the rows from `first` on.
 
@@ -207,7 +208,7 @@ def search_kernel(z_hat, L, d, n_best, node_limit):
     return candidates, norms, nodes
 
 
-@part
+@kernel
 def search_in_place(U, S, candidates, first, norms, node_limit, levels):
     """Search the tree; writes candidates from row `first` on, and norms; returns the nodes visited.
 
@@ -251,7 +252,7 @@ def search_in_place(U, S, candidates, first, norms, node_limit, levels):
     return nodes
 
 
-@part
+@kernel
 def insert(candidates, first, norms, z, norm):
     """Put z among the candidates, which stand in the order of their norms; the last one drops out."""
     b = len(norms) - 1

@@ -1,0 +1,73 @@
+"""Kernels: the same answers compiled and as ordinary Python, and no crash where nothing can be written."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from gnsslab.core import jit
+
+PROGRAM = """
+import json, sys
+import numpy as np
+from gnsslab.core import integers, jit
+rng = np.random.default_rng(7)
+out = {"compiled": jit.COMPILED, "numba": "numba" in sys.modules, "answers": []}
+for n in (1, 2, 5, 9):
+    A = rng.standard_normal((n, n))
+    Q, a = A @ A.T + 0.01 * np.eye(n), rng.uniform(-1e6, 1e6, (3, n))
+    s, D = integers.integer_least_squares(a, Q, n_best=3), integers.decorrelate(Q)
+    one = integers.integer_least_squares_kernel(jit.kernel_input(a[0]), jit.kernel_input(Q), 2, 1000)
+    assert np.array_equal(np.asarray(one[0]), s.candidates[0, :2]) and one[3] == 0
+    out["answers"].append([s.candidates.tolist(), s.norms.tolist(), s.nodes.tolist(), D.Z.tolist(), D.L.tolist(), D.d.tolist()])
+print(json.dumps(out))
+"""
+
+
+def run(**environment):
+    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": os.pathsep.join(sys.path), **environment}
+    done = subprocess.run([sys.executable, "-W", "error", "-c", PROGRAM], env=environment, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """The answers of the uncompiled kernels."""
+    return run(GNSSLAB_NO_NUMBA="1")
+
+
+def test_switched_off_means_not_even_imported(plain):
+    assert not plain["compiled"]
+    assert not plain["numba"]
+
+
+def test_same_answers_with_and_without_compilation(plain, tmp_path):
+    pytest.importorskip("numba")
+    compiled = run(NUMBA_CACHE_DIR=str(tmp_path), HOME=str(tmp_path))
+    assert compiled["compiled"]
+    assert len(plain["answers"]) == 4
+    assert compiled["answers"] == plain["answers"]  # to the last bit: same operations in the same order
+    assert list(tmp_path.rglob("*.nbi")), "nothing was kept for the next process"
+
+
+@pytest.mark.skipif(not jit.COMPILED, reason="the cache is numba's")
+def test_no_folder_for_the_cache_is_no_crash(monkeypatch):
+    def no_locator(*arguments, **options):
+        if options.get("cache"):
+            raise RuntimeError("cannot cache function: no locator available")
+        return lambda function: function
+
+    monkeypatch.setattr(jit.numba, "njit", no_locator)
+    assert jit.kernel(abs) is abs
+
+
+def test_kernel_input_never_changes_the_callers_array():
+    values = np.arange(6.0).reshape(2, 3)
+    values.flags.writeable = False
+    assert np.asarray(jit.kernel_input(values)).tolist() == values.tolist()
+    assert np.asarray(jit.kernel_input([[1, 2]])).dtype == np.float64
+    assert np.shape(jit.matrix(2, 3)) == (2, 3)
