@@ -17,7 +17,8 @@ from gnsslab.gnss.times import BDT_BEHIND_GPS, add_seconds, gps_time, seconds_be
 REPEAT = {"G": 7200, "J": 3600, "E": 600, "C": 3600}  # [s] from one data set to the next
 SENT_AFTER_TOE = {"G": -7170, "J": -3090, "E": 660, "C": 28}  # [s], as usual in recorded files
 ACCURACY = {"G": 2.0, "J": 2.8, "E": 3.12, "C": 2.0}  # [m], usual URA and SISA
-NOMINAL_IONOSPHERE = (2.0489e-08, 2.2352e-08, -1.1921e-07, -1.1921e-07, 1.3312e05, 1.3107e05, -1.3107e05, -3.9322e05)  # Klobuchar alpha, beta
+# Klobuchar alpha 0-3, beta 0-3 as GPS broadcast them on 2005-04-02, a moderately quiet Sun: 5 m at the zenith after noon.
+NOMINAL_IONOSPHERE = (1.118e-8, 1.490e-8, -5.960e-8, -5.960e-8, 8.806e4, 1.638e4, -1.966e5, -1.311e5)
 
 _GOLDEN = (np.sqrt(5) - 1) / 2
 _DEG = np.pi / 180
