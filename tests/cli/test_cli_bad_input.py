@@ -125,6 +125,17 @@ def test_bad_file(run, files, bad, tmp_path, command, case):
 
 
 @pytest.mark.parametrize("command", ["heading", "rtk"])
+def test_file_cut_in_the_middle_of_an_epoch(run, files, tmp_path, command):
+    cut = tmp_path / "cut.obs"
+    cut.write_bytes(unpacked(files.rover)[:-2000])
+    answer = run(command, files.base, cut, files.nav, "-o", tmp_path / "out.csv")
+    assert answer.status == 0, answer.err
+    assert answer.complaint == []
+    assert "cut.obs" in answer.err  # a note says that the last epoch is left out
+    assert len((tmp_path / "out.csv").read_text().splitlines()) == 1 + 59
+
+
+@pytest.mark.parametrize("command", ["heading", "rtk"])
 @pytest.mark.parametrize("case", OPTIONS)
 def test_bad_option(run, files, tmp_path, command, case):
     arguments, words = OPTIONS[case]
