@@ -1,8 +1,11 @@
 """What `heading` and `rtk` share: two observation files and navigation in, the chosen epochs out."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 from gnsslab.cli.progress import note
+
+NOTES_SHOWN = 10
 
 
 class Inputs(NamedTuple):
@@ -22,10 +25,20 @@ def read_inputs(master, rover, navigation, span):
     readings = read_rinex_obs(master), read_rinex_obs(rover)
     _refuse_same_measurements(*readings, (master, rover))
     ephemerides = read_rinex_nav(*navigation)
-    notes = tuple(warning for reading in (*readings, ephemerides) for warning in reading.warnings)
-    for warning in notes:
-        note(warning)
+    notes = (*_named(readings[0], master), *_named(readings[1], rover), *ephemerides.warnings)
+    _say(notes)
     return Inputs(*_chosen_epochs(readings, span, (master, rover)), ephemerides, (master, rover, *navigation), notes)
+
+
+def _named(observations, path):
+    return tuple(f"{Path(path).name}: {warning}" for warning in observations.warnings)
+
+
+def _say(notes):
+    for text in notes[:NOTES_SHOWN]:
+        note(text)
+    if len(notes) > NOTES_SHOWN:
+        note(f"and {len(notes) - NOTES_SHOWN} more, all in the .json beside the output")
 
 
 def _refuse_same_measurements(one, other, names):
