@@ -10,7 +10,9 @@ from gnsslab.gnss.rinex.navigation_header import is_klobuchar
 from gnsslab.gnss.signals import SYSTEM_NAMES, USED_SYSTEMS
 
 _MESSAGES_4 = {"G": ("LNAV",), "J": ("LNAV",), "E": ("INAV", "FNAV"), "C": ("D1", "D2")}
-_KLOBUCHAR_4 = {"G": "LNAV", "J": "LNAV", "C": "D1D2"}
+_KLOBUCHAR_4 = {"G": "LNAV", "J": "LNAV", "C": "D1D2"}  # the satellite's number may be missing here: the model is the system's
+_NAME_AND_TIME = 22  # columns that both take, in RINEX 2; one more since
+_NO_ORBIT_4 = ("ION", "STO", "EOP")  # other ionosphere models, time offsets, Earth rotation: of no use here
 
 
 class Record(NamedTuple):
@@ -32,12 +34,12 @@ class Body(NamedTuple):
 
 def read_body(lines, header, path):
     """Return the `Body` of a file: its complete data sets of the systems used here; the others are counted, in words."""
-    groups = _groups(lines, header, path)
+    groups, begun = _without_begun(_groups(lines, header, path))
     read = {2: _body_2, 3: _body_3, 4: _body_4}[int(header.version)]
     records, ionosphere, skipped = read(groups, header, path)
     whole, cut = _without_cut(records, lines, path)
     said = [f"{count} {name} {'data set is' if count == 1 else 'data sets are'} not used here" for name, count in skipped.items()]
-    return Body(whole, ionosphere, said + cut)
+    return Body(whole, ionosphere, said + cut + begun)
 
 
 def epoch_of(record, path):
@@ -76,6 +78,18 @@ def _groups(lines, header, path):
     return [(header.length + start + 1, body[start:end]) for start, end in zip(starts, ends, strict=False)]
 
 
+def _without_begun(groups):
+    """Return the groups but for a last one that is cut off before its numbers, or is an ION record without line end."""
+    if not groups:
+        return [], []
+    row, lines = groups[-1]
+    is_cut = lines[-1].strip() != ""  # a whole file ends with a line end, behind which there is nothing
+    is_begun = len(lines) <= 2 and len(lines[-1]) < _NAME_AND_TIME
+    if is_cut and (is_begun or lines[0].startswith("> ION")):
+        return groups[:-1], [f"line {row}: the record that begins here is cut off and is left out"]
+    return groups, []
+
+
 def _require_blank(lines, expected, first, path):
     for row, line in enumerate(lines, start=first):
         if line.strip():
@@ -106,22 +120,19 @@ def _body_3(groups, header, path):
 
 
 def _body_4(groups, header, path):
-    """Read records EPH and ION; STO (time offsets) and EOP (Earth rotation) are of no use here."""
     records, ionosphere, skipped = [], {}, Counter()
     for row, (marker, *lines) in groups:
         kind, message = marker[2:5], marker[10:14].strip()
-        if kind in ("STO", "EOP"):
-            continue
-        if kind not in ("EPH", "ION"):
+        if kind == "EPH":
+            record = Record(_satellite(marker[6:9], path, row), lines, row + 1, indent=4)
+            if message in _MESSAGES_4.get(record.satellite[0], ()):
+                records.append(_of_same_satellite(record, path))
+            else:
+                skipped[f"{SYSTEM_NAMES[record.satellite[0]]} {message}"] += 1
+        elif kind == "ION" and message == _KLOBUCHAR_4.get(marker[6:7]) and marker[6] not in ionosphere:
+            ionosphere.update(_klobuchar(Record(marker[6], lines, row + 1, indent=4), path))
+        elif kind not in _NO_ORBIT_4:
             raise RinexError(path, f"expected > EPH, ION, STO or EOP, found {quoted(marker)}", line=row)
-        record = Record(_satellite(marker[6:9], path, row), lines, row + 1, indent=4)
-        system = record.satellite[0]
-        if kind == "EPH" and message in _MESSAGES_4.get(system, ()):
-            records.append(_of_same_satellite(record, path))
-        elif kind == "EPH":
-            skipped[f"{SYSTEM_NAMES[system]} {message}"] += 1
-        elif message == _KLOBUCHAR_4.get(system) and system not in ionosphere:
-            ionosphere.update(_klobuchar(record, path))
     return records, ionosphere, skipped
 
 
@@ -136,7 +147,7 @@ def _of_same_satellite(record, path):
 def _klobuchar(record, path):
     """Return {system letter: coefficients} of an ION record: alpha 0-2 behind the time, alpha 3, beta 0-2, and beta 3."""
     values = values_of(record, path)[:8] if len(record.lines) >= 3 else []
-    return {record.satellite[0]: values} if is_klobuchar(values) else {}
+    return {record.satellite: values} if is_klobuchar(values) else {}
 
 
 def _satellite(text, path, row):
