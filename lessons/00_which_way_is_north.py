@@ -4,73 +4,307 @@ __generated_with = "0.25.2"
 app = marimo.App(width="medium", app_title="Which way is north?")
 
 
-@app.cell
+@app.cell(hide_code=True)
 def _():
     import marimo as mo
 
     from gnsslab.labs.north import north_lab
     from gnsslab.teaching.catalogue import find_lesson
-    from gnsslab.teaching.marimo_front import LabFront, goal, lesson_head
+    from gnsslab.teaching.marimo_front import LabFront, lesson_head
 
-    return LabFront, find_lesson, goal, lesson_head, mo, north_lab
+    return LabFront, find_lesson, lesson_head, mo, north_lab
 
 
-@app.cell
+@app.cell(hide_code=True)
 def _(find_lesson, lesson_head):
     lesson_head(find_lesson("00"))
     return
 
 
-@app.cell
+@app.cell(hide_code=True)
 def _(mo):
-    prediction = mo.ui.radio(["a", "b"], label="How much?")
+    mo.md(r"""
+    ## The scene
+
+    You stand on a flat roof. Two small satellite antennas are bolted to a beam, **1.2 m** apart. Each has its own
+    receiver. Your task: say which way the beam points.
+
+    A phone's compass would be off by 5 to 10 degrees here, because the roof is full of steel. Satellites do not care
+    about steel. But each receiver alone only knows where it stands to about **2 m**, and the beam is shorter than that.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    ## Predict
+
+    Commit to an answer before you see anything. The lab opens once you have chosen.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    _answers = ["not at all", "to about 20 degrees", "to about 2 degrees", "to a few tenths of a degree"]
+    prediction = mo.ui.radio(_answers, label="How well can the two receivers together tell the beam's direction, within one second?")
     prediction
     return (prediction,)
 
 
-@app.cell
+@app.cell(hide_code=True)
 def _(LabFront, mo, north_lab):
     front = LabFront(north_lab())
     chosen, choose = mo.state(None)
     return choose, chosen, front
 
 
-@app.cell
+@app.cell(hide_code=True)
+def _(mo, prediction):
+    mo.stop(prediction.value is None, mo.md("*Choose an answer above to open the lab.*"))
+    mo.md(f"""
+    ## Play
+
+    You said: **{prediction.value}**. Look at the picture, then come back to your answer.
+
+    Each dot is one second of measurements from both receivers, solved on its own. The picture on the right is the roof
+    seen from above: the black square is the first antenna, the arrow points to the second.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
 def _(choose, front, mo, prediction):
-    mo.stop(prediction.value is None, mo.md("Choose an answer first."))
+    mo.stop(prediction.value is None)
     presets = front.presets(choose)
     return (presets,)
 
 
-@app.cell
+@app.cell(hide_code=True)
 def _(chosen, front, presets):
     front.preset_row(presets, chosen())
     return
 
 
-@app.cell
-def _(chosen, front):
+@app.cell(hide_code=True)
+def _(chosen, front, mo, prediction):
+    mo.stop(prediction.value is None)
     steering = front.steering(chosen())
     return (steering,)
 
 
-@app.cell
+@app.cell(hide_code=True)
 def _(chosen, front, steering):
     controls = front.controls(steering.value, chosen())
     return (controls,)
 
 
-@app.cell
-def _(controls, front, presets, steering):
-    front.panel(steering, controls) if presets else None
+@app.cell(hide_code=True)
+def _(controls, front, steering):
+    front.panel(steering, controls)
     return
 
 
-@app.cell
-def _(controls, front, presets, steering):
-    result = front.run(steering.value, controls.value) if presets else None
+@app.cell(hide_code=True)
+def _(controls, front, steering):
+    result = front.run(steering.value, controls.value)
     front.view(result)
     return (result,)
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    **What you see.** Blue circles are *fixed*: the receiver-to-satellite distances were counted in whole wavelengths of
+    19 cm, and every whole number was found. Orange triangles are *float*: the whole numbers were not found, and only
+    the coarse code measurement is left. The coarse one misses by metres. The fixed one misses by millimetres.
+
+    Try these, one at a time:
+
+    1. Move **Baseline length** from 0.3 m to 5 m. The millimetres stay, the degrees shrink.
+    2. Move **Carrier noise**. Twice the noise, twice the scatter; and at some point the integers get lost.
+    3. Add **Systems** or **Frequencies**. More equations for the same whole numbers: the triangles go.
+    4. Raise the **Elevation mask**. You throw satellites away, and the triangles come back.
+    5. Switch **Each second alone** off. Now a filter remembers the whole numbers, and one good second serves the next.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    ## Why it works
+
+    The line from the first antenna to the second is the **baseline** $b$. Write it as metres east $e$, north $n$ and
+    up $u$. Heading $\psi$ turns clockwise from north. Pitch $\theta$ is positive upwards.
+
+    $$\psi = \operatorname{atan2}(e,\ n)$$
+
+    $$\theta = \operatorname{atan2}(u,\ h), \qquad h = \sqrt{e^2+n^2}$$
+
+    In words: heading is the angle whose opposite side is east and whose adjacent side is north. Pitch is the angle
+    between the baseline and its shadow on the ground. A $\operatorname{atan2}$ looks at both signs, so it knows all four
+    quadrants.
+
+    An error of a few millimetres across the baseline turns it by a small angle. With standard deviations $\sigma_e$,
+    $\sigma_n$, $\sigma_u$, covariance $\sigma_{en}$ and length $\ell$:
+
+    $$\sigma_\psi = \frac{\sqrt{\cos^2\!\psi\,\sigma_e^2 + \sin^2\!\psi\,\sigma_n^2 - \sin 2\psi\,\sigma_{en}}}{\ell\cos\theta}$$
+
+    $$\sigma_\theta = \frac{\sqrt{\cos^2\!\theta\,\sigma_u^2 + \sin^2\!\theta\,\sigma_h^2 - \sin 2\theta\,\sigma_{hu}}}{\ell}$$
+
+    Here $\sigma_h$ belongs to the level distance $h$, so $\sigma_h^2 = \cos^2\!\psi\,\sigma_n^2 + \sin^2\!\psi\,\sigma_e^2 + \sin 2\psi\,\sigma_{en}$.
+
+    In words: only the error *across* the baseline counts, and it counts less on a longer lever. Pitch is worse than
+    heading, because satellites are all above you and none below: up is the weakest direction.
+
+    **Where do the millimetres come from?** A receiver can read the phase of the carrier wave to about 1 % of its
+    19 cm. What it cannot see is how many whole waves lie between it and the satellite. That number is an *integer*,
+    and an integer can be found exactly. The following lessons show how.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    ## The same in six lines
+
+    Copy this. It reads two observation files and one file of orbits, and does all that the lab does.
+
+    ```python
+    import gnsslab as gl
+
+    master, rover = gl.read_rinex_obs("master.obs"), gl.read_rinex_obs("rover.obs")
+    orbits = gl.read_rinex_nav("broadcast.nav")
+    pose = gl.dual_antenna_attitude(master, rover, orbits, systems="G", frequencies=1, single_epoch=True)
+    print(pose)
+    gl.plot_attitude(pose).savefig("heading.png")
+    ```
+
+    No files at hand? `gnsslab simulate static-baseline -o roof` writes some.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    ## Reach a goal
+
+    Move the controls above until both goals are reached. They are judged as you move.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(front, result):
+    front.goal("sharp", result)
+    return
+
+
+@app.cell(hide_code=True)
+def _(front, result):
+    front.goal("frugal", result)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    ## Real data
+
+    Set **Data** to *real roof*. Two survey receivers stood 0.99 m apart on a roof in Japan on 24 June 2024, for
+    five minutes. The arrow turns to **193.03 degrees**, a little west of south. Nobody simulated this.
+
+    Compare with the simulation:
+
+    * The scatter is smaller, because survey antennas have a carrier noise of about 1 mm.
+    * It is not white. Look for slow waves: signals bounced off the roof (*multipath*) change over minutes.
+    * Noise and length are now facts, not controls. They are greyed out.
+
+    Set **Data** to *my files* to use your own: two observation files of the same time and one of broadcast orbits.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    ## Find the printed error
+
+    This lesson follows a paper of 2019 on low-cost receivers. Some of its formulas went wrong in print. The engine
+    uses the corrected ones.
+
+    **Heading, equation (5).** Printed: $\arctan(e/n)$. Corrected: $\operatorname{atan2}(e, n)$. A heading of 120° comes
+    out as −60°.
+
+    **Pitch, equation (6).** Printed: $\arcsin(u/h)$. Corrected: $\operatorname{atan2}(u, h)$.
+
+    | true pitch | 2° | 10° | 20° | 30° | above 45° |
+    |---|---|---|---|---|---|
+    | printed (6) | 2.001° | 10.16° | 21.34° | 35.26° | none |
+
+    **Sigma of heading and pitch, equations (33) and (34).** In print, east and north changed places, a dilution was not
+    squared, and a $\cos^2\psi$ was lost. With $\sigma_e, \sigma_n, \sigma_u$ = 6, 9, 16 mm, a length of 1.167 m, a heading
+    of 50° and a pitch of 25°, print gives 3.24° and 1.67°. Corrected, and confirmed by a Monte Carlo run: 0.43° and 0.73°.
+
+    Why did nobody notice? The paper measured on level ground. At 2° of pitch the misprint in (6) is a thousandth of a degree.
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md("""
+    ## Check yourself
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.accordion(
+        {
+            "The baseline is 0.70 m east and 0.40 m south. What is its heading?": mo.md(
+                r"$e = 0.70$, $n = -0.40$: $\operatorname{atan2}(0.70, -0.40) =$ **119.7°**. With $\arctan(e/n)$ you get −60.3°: the wrong way."
+            ),
+            "The error across the baseline is 3 mm, the length 1.2 m. What is the standard deviation of heading?": mo.md(
+                r"$3\ \text{mm} / 1200\ \text{mm} = 0.0025$ rad $=$ **0.14°**. If you wrote 0.0025°, you forgot that the quotient is in radians."
+            ),
+            "You want 0.05° with the same receivers. How long must the beam be?": mo.md(
+                r"$3\ \text{mm} / 0.05° = 3\ \text{mm} / 0.000873 =$ **3.4 m**. Length buys accuracy, not speed: the whole numbers are as hard to find."
+            ),
+            "Someone swaps the two antenna cables. What happens to heading and pitch?": mo.md(
+                r"The baseline changes sign: heading turns by **180°**, pitch changes its **sign**. No test of the engine can see it."
+            ),
+        }
+    )
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    ## What can go wrong
+
+    * **A wrong fix.** The whole numbers are wrong, the sigma is small, and the heading is off by many degrees. A known
+      length catches most of them. Lesson 04 is about this.
+    * **Multipath.** A wall beside the antenna shifts the phase by up to 5 cm, slowly. No averaging over a minute removes it.
+    * **Magnetic or true north?** Satellites give true north. A compass differs by the local declination, up to 20 degrees.
+    * **A steep beam.** With the beam upright there is no heading: $e$ and $n$ are nearly zero.
+    * **Twisted antennas.** The electrical centre of a cheap antenna lies some millimetres off its axis. Mount both the same way round.
+    * **Roll.** Two antennas give two of three angles. Turn the beam about itself: nothing changes. Lesson 06 adds a third.
+
+    ## Sources
+
+    * S. Wang, Y. Li, X. Sun, Y. Ji: *Dual-antenna attitude determination algorithm based on low-cost receiver*. Journal of
+      Computer Applications 39(8), 2381–2385, 2019.
+    * Real data: `matrtklib-static` from MatRTKLIB by Taro Suzuki (MIT licence), two Septentrio mosaic-X5, 301 s at 1 Hz.
+    * RINEX: the format of the files, IGS and RTCM, version 3.04, 2018.
+    """)
+    return
 
 
 if __name__ == "__main__":

@@ -103,9 +103,9 @@ def build_compass(figure):
     axes.set_ylim(-1.28, 1.28)
     ring_labels = _compass_card(axes)
     (truth,) = axes.plot([], [], "--", color=TRUTH_COLOR, linewidth=1.2)
-    dots = {kind: axes.plot([], [], linestyle="", **STATUS_STYLE[kind])[0] for kind in (FLOAT, FIXED)}
     (needle,) = axes.plot([], [], color="#B03000", linewidth=2.4, solid_capstyle="round")
     (tip,) = axes.plot([], [], linestyle="", markersize=13, color="#B03000")
+    dots = {kind: axes.plot([], [], linestyle="", **STATUS_STYLE[kind])[0] for kind in (FLOAT, FIXED)}
     (master,) = axes.plot([0], [0], "s", color=TRUTH_COLOR, markersize=6)
 
     def show(result):
@@ -122,7 +122,7 @@ def build_compass(figure):
             ring.set_text(f"{fraction * radius:g} m")
         return radius
 
-    return Scene((truth, needle, *dots.values(), tip, master), show)
+    return Scene((truth, dots[FLOAT], needle, tip, dots[FIXED], master), show)
 
 
 def describe_attitude(attitude, truth=None):
@@ -219,7 +219,7 @@ def _plan(baseline_enu, radius):
 
 def _direction(truth):
     """Return a line from the middle to the rim along the true heading, empty where it is not known or not one value."""
-    if truth is None or np.ndim(truth.heading) > 0 and np.ptp(truth.heading) > 0:
+    if truth is None or (np.ndim(truth.heading) > 0 and np.ptp(truth.heading) > 0):
         return [], []
     heading = np.ravel(truth.heading)[0]
     return [0, np.sin(heading)], [0, np.cos(heading)]

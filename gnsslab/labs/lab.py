@@ -39,6 +39,15 @@ class Drawing:
     height: int  # [CSS px]
 
 
+@dataclass(frozen=True)
+class Goal:
+    """Something to reach with the controls; `judge(settings, result)` returns whether it is reached and where you stand."""
+
+    name: str
+    text: str
+    judge: Callable
+
+
 def _nothing_blocked(settings):
     return {}
 
@@ -56,6 +65,7 @@ class Lab:
     describe: Callable  # describe(result) -> the pictures in words
     readouts: Callable  # readouts(result) -> list of Readout
     presets: tuple[Preset, ...] = ()
+    goals: tuple[Goal, ...] = ()
     steering: tuple[str, ...] = ()  # names of the controls that decide which others have an effect
     blocked: Callable = field(default=_nothing_blocked)  # blocked(settings) -> {control name: why it has no effect now}
 
@@ -66,10 +76,7 @@ class Lab:
 
     def control(self, name):
         """Return the control of that name."""
-        found = [control for control in self.controls if control.name == name]
-        if not found:
-            raise ValueError(f"lab {self.name} has no control {name!r}: it has {', '.join(self.defaults)}")
-        return found[0]
+        return self._named("control", self.controls, name)
 
     def settings(self, **given):
         """Return all settings, the given ones checked, the others at their defaults."""
@@ -81,7 +88,14 @@ class Lab:
 
     def preset(self, name):
         """Return the preset of that name."""
-        found = [preset for preset in self.presets if preset.name == name]
+        return self._named("preset", self.presets, name)
+
+    def goal(self, name):
+        """Return the goal of that name."""
+        return self._named("goal", self.goals, name)
+
+    def _named(self, kind, records, name):
+        found = [record for record in records if record.name == name]
         if not found:
-            raise ValueError(f"lab {self.name} has no preset {name!r}: it has {', '.join(p.name for p in self.presets)}")
+            raise ValueError(f"lab {self.name} has no {kind} {name!r}: it has {', '.join(record.name for record in records)}")
         return found[0]

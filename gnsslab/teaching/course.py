@@ -3,14 +3,17 @@
 import socket
 import threading
 import webbrowser
+from contextlib import chdir
 from html import escape
 from pathlib import Path
 from string import Template
 
 from gnsslab import __version__
+from gnsslab.data.locations import project_folder
 from gnsslab.teaching.catalogue import LESSONS
 
 PORTS_TRIED = 50  # a taken port means the next free one, up to this many further on
+LAST_PORT = 65_535
 SHUTDOWN_SECONDS = 2  # open lessons are given this long when the server is stopped
 
 
@@ -43,7 +46,8 @@ def course_app():
     from starlette.responses import HTMLResponse, RedirectResponse
     from starlette.routing import Mount, Route
 
-    lessons = marimo.create_asgi_app(quiet=True, include_code=False)
+    with chdir(project_folder("lessons")):  # where marimo looks for its display settings, once
+        lessons = marimo.create_asgi_app(quiet=True, include_code=False)
     for lesson in LESSONS:
         lessons = lessons.with_app(path=lesson.address.rstrip("/"), root=str(lesson.path))
 
@@ -69,19 +73,31 @@ def home_page():
 
 
 def free_socket(host, port):
-    """Return a listening socket at the port, or at the next free one."""
-    for candidate in range(port, port + PORTS_TRIED):
+    """Return a listening socket at the port, or at the next free one.
+
+    Raises ValueError where the host is no address of this machine or no port is free.
+    """
+    family = _address_family(host)
+    problem = "ports end at 65535"
+    for candidate in range(port, min(port + PORTS_TRIED, LAST_PORT + 1)):
         try:
-            return socket.create_server((host, candidate))
-        except socket.gaierror:
-            raise ValueError(f"{host} is no address of this machine: try 127.0.0.1, or 0.0.0.0 to serve a class") from None
-        except (OSError, OverflowError) as error:
-            problem = error
+            return socket.create_server((host, candidate), family=family)
+        except OSError as error:
+            problem = error.strerror
     raise ValueError(f"no free port from {port} to {port + PORTS_TRIED - 1} at {host} ({problem}): try another with --port")
 
 
+def _address_family(host):
+    try:
+        return socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0][0]
+    except socket.gaierror:
+        raise ValueError(f"{host} is no address of this machine: try 127.0.0.1, or 0.0.0.0 to serve a class") from None
+
+
 def _shown(host):
-    return "127.0.0.1" if host in ("0.0.0.0", "::", "") else host
+    if host in ("0.0.0.0", "::"):
+        return "127.0.0.1" if host == "0.0.0.0" else "[::1]"
+    return f"[{host}]" if ":" in host else host
 
 
 def _card(lesson):

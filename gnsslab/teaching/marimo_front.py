@@ -10,7 +10,9 @@ A lesson uses it in cells of one to three lines:
     result = front.run(steering.value, controls.value)
 """
 
+import shutil
 import tempfile
+import weakref
 from html import escape
 from pathlib import Path
 
@@ -30,7 +32,7 @@ class LabFront:
         self._last = dict(lab.defaults)
         self._pressed = None
         self._pictures = None
-        self._uploads = tempfile.TemporaryDirectory(prefix="gnsslab-")
+        self._uploads = None
 
     def presets(self, choose):
         """Return the presets as buttons; a press hands (preset, count) to `choose`, the setter of a mo.state."""
@@ -77,6 +79,14 @@ class LabFront:
             return mo.Html(f'{note}<p class="gl-problem" role="status">{escape(result.problem)}</p>')
         return mo.Html(note + _readouts(self.lab.readouts(result)) + self._images(result))
 
+    def goal(self, name, result):
+        """Return a goal of the lab, judged: reached or not yet, and where you stand."""
+        goal = self.lab.goal(name)
+        is_reached, state = goal.judge(result)
+        word, kind = ("Reached.", " gl-reached") if is_reached else ("Not yet.", "")
+        judged = f"<strong>{word}</strong> {escape(state)}"
+        return mo.Html(f'<div class="gl-goal{kind}" role="status">{escape(goal.text)}<br>{judged}</div>')
+
     @property
     def _others(self):
         return [control for control in self.lab.controls if control.name not in self.lab.steering]
@@ -102,12 +112,19 @@ class LabFront:
         if not value["upload"]:
             return value["path"].strip()
         upload = value["upload"][0]
-        folder = Path(self._uploads.name) / name
+        folder = self._upload_folder() / name
         folder.mkdir(exist_ok=True)
         path = folder / Path(upload.name).name
         if not path.is_file() or path.stat().st_size != len(upload.contents) or path.read_bytes() != upload.contents:
             path.write_bytes(upload.contents)
         return str(path)
+
+    def _upload_folder(self):
+        """Return this session's folder for uploads, which goes when the session goes."""
+        if self._uploads is None:
+            self._uploads = tempfile.mkdtemp(prefix="gnsslab-")
+            weakref.finalize(self, shutil.rmtree, self._uploads, ignore_errors=True)
+        return Path(self._uploads)
 
     def _images(self, result):
         from gnsslab.figures.kept import KeptPicture, data_url
@@ -129,14 +146,8 @@ def lesson_head(lesson):
         f'<style>{STYLE}</style><div class="gl-head"><nav><a href="/" target="_self">All lessons</a></nav>'
         f"<h1>{escape(lesson.title)}</h1>"
         f'<p class="gl-meta">Lesson {lesson.number} · about {lesson.minutes} minutes · needs {escape(lesson.needs)}</p>'
-        f"<p>Afterwards you can</p><ul>{gives}</ul></div>"
+        f'<p class="gl-gives">Afterwards you can</p><ul>{gives}</ul></div>'
     )
-
-
-def goal(text, is_reached, state):
-    """Return a goal, judged: reached or not yet, and where you stand."""
-    word, kind = ("Reached.", " gl-reached") if is_reached else ("Not yet.", "")
-    return mo.Html(f'<div class="gl-goal{kind}" role="status">{escape(text)}<br><strong>{word}</strong> {escape(state)}</div>')
 
 
 def _slider(control, value, disabled):

@@ -1,0 +1,100 @@
+"""A real server and a real browser."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from queue import Empty, Queue
+
+import pytest
+
+FLAGS = (  # noqa: SIM905 - one line a flag reads no better
+    "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update "
+    "--disable-sync --disable-dev-shm-usage"
+).split()
+START_SECONDS = 60  # for the server to say where it is, on a busy machine
+
+
+@pytest.fixture(scope="session")
+def course(tmp_path_factory):
+    """Address of a course served by `gnsslab course` in a process of its own, from a folder that is not the project's."""
+    process = subprocess.Popen(
+        [sys.executable, "-u", "-m", "gnsslab", "course", "--no-browser", "--port", "24680"],
+        cwd=tmp_path_factory.mktemp("elsewhere"), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[2])},
+    )  # fmt: skip
+    lines = _lines_of(process)
+    try:
+        yield _address(lines)
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(20)
+        process.stdout.close()
+
+
+def _lines_of(process):
+    """Return a queue of the lines that the process prints."""
+    lines = Queue()
+    threading.Thread(target=lambda: [lines.put(line) for line in process.stdout], daemon=True).start()
+    return lines
+
+
+def _address(lines):
+    said = []
+    while True:
+        try:
+            said.append(lines.get(timeout=START_SECONDS))
+        except Empty:
+            pytest.fail(f"the course did not start: {''.join(said)}")
+        if "the course is at " in said[-1]:
+            return said[-1].split("the course is at ")[1].split()[0]
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """Debian's chromium, driven by playwright; skips with the reason, fails under GNSSLAB_REQUIRE_ALL=1."""
+    path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if path is None:
+        _missing("no chromium on this machine: apt-get install chromium")
+    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright here: pip install playwright")
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=path, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+def _missing(reason):
+    if os.environ.get("GNSSLAB_REQUIRE_ALL") == "1":
+        pytest.fail(f"GNSSLAB_REQUIRE_ALL=1, but: {reason}")
+    pytest.skip(reason)
+
+
+@pytest.fixture
+def visit(chromium, course):
+    """A function that opens an address of the course in a fresh browser context and returns the page.
+
+    When the test ends, no console error and no request that left the machine may stand in the page's records.
+    """
+    contexts, troubles = [], []
+
+    def open_page(path="/", width=1280, height=900, scheme="light"):
+        context = chromium.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda message: troubles.append(f"console: {message.text}") if message.type == "error" else None)
+        page.on("pageerror", lambda error: troubles.append(f"page error: {error}"))
+        page.on("request", lambda request: troubles.append(f"left the machine: {request.url}") if _is_foreign(request.url, course) else None)
+        page.goto(course.rstrip("/") + path)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert not troubles
+
+
+def _is_foreign(url, course):
+    return not url.startswith((course, course.replace("http:", "ws:"), "data:", "blob:"))

@@ -1,0 +1,193 @@
+"""Lesson 00 in a real browser, through the real server."""
+
+import statistics
+import time
+
+import pytest
+
+SLIDERS = ("Elevation mask", "Baseline length", "Carrier noise", "Code noise", "Seed")
+MOVES = 8
+PATIENCE = 30_000  # [ms], the first load imports matplotlib and compiles kernels
+
+
+@pytest.fixture
+def lesson(visit):
+    """The lesson with its lab open."""
+
+    def open_lesson(**how):
+        page = visit("/lesson/00/", **how)
+        page.get_by_role("radio", name="to about 2 degrees").click(timeout=PATIENCE)
+        page.wait_for_selector(".gl-pictures img", timeout=2 * PATIENCE)
+        return page
+
+    return open_lesson
+
+
+def _readouts(page):
+    return page.locator(".gl-readouts").inner_text()
+
+
+def _picture(page):
+    return page.locator(".gl-pictures img").first.get_attribute("src")
+
+
+def _await_change(page, before, of):
+    deadline = time.monotonic() + PATIENCE / 1000
+    while of(page) == before:
+        assert time.monotonic() < deadline, "nothing changed"
+        page.wait_for_timeout(20)
+    return of(page)
+
+
+def _slider(page, name):
+    return page.get_by_role("slider", name=name)
+
+
+def test_from_the_home_page_into_the_lesson(visit):
+    page = visit("/")
+    page.get_by_role("link", name="Which way is north?").click()
+    page.get_by_role("heading", name="Which way is north?").wait_for(timeout=PATIENCE)
+    page.get_by_text("Choose an answer above to open the lab.").wait_for(timeout=PATIENCE)
+    assert page.locator(".gl-pictures").count() == 0
+    page.get_by_role("link", name="All lessons").click()
+    page.get_by_role("heading", name="Precise GNSS").wait_for(timeout=PATIENCE)
+
+
+def test_each_slider_changes_the_readouts(lesson):
+    page = lesson()
+    page.get_by_text("more", exact=True).click()
+    for name in SLIDERS:
+        for key in ("End", "Home"):
+            before = _readouts(page)
+            _slider(page, name).press(key)
+            _await_change(page, before, _readouts)
+        page.get_by_role("button", name="Start", exact=True).click()
+        page.wait_for_timeout(1500)
+        if not _slider(page, "Seed").is_visible():
+            page.get_by_text("more", exact=True).click()
+
+
+def test_presets_set_the_controls_and_say_what_to_look_at(lesson):
+    page = lesson()
+    before = _readouts(page)
+    page.get_by_role("button", name="Arm's length").click()
+    after = _await_change(page, before, _readouts)
+    assert "0.30" in after
+    page.get_by_text("The same millimetres on a shorter lever").wait_for()
+    assert float(_slider(page, "Baseline length").get_attribute("aria-valuenow")) == pytest.approx(0.3)
+
+
+def test_goal_is_reached_live(lesson):
+    page = lesson()
+    assert page.get_by_text("Reached.").count() == 0
+    before = _readouts(page)
+    _slider(page, "Baseline length").press("End")
+    before = _await_change(page, before, _readouts)
+    page.get_by_role("combobox", name="Systems").select_option(label="GPS + Galileo")
+    _await_change(page, before, _readouts)
+    page.get_by_text("Reached.").first.wait_for(timeout=PATIENCE)
+
+
+def test_real_data_and_what_is_switched_off(lesson, dataset):
+    dataset("matrtklib-static")
+    page = lesson()
+    before = _readouts(page)
+    page.get_by_role("radio", name="real roof").click()
+    after = _await_change(page, before, _readouts)
+    assert "193." in after
+    assert _slider(page, "Carrier noise").get_attribute("data-disabled") is not None
+    assert page.get_by_text("no effect: real data are as they are").first.is_visible()
+
+
+def test_own_files_by_upload(lesson, tmp_path):
+    import numpy as np
+
+    from gnsslab.simulate import find_preset, simulate, write_simulation
+
+    write_simulation(tmp_path, simulate(find_preset("static-baseline"), np.random.default_rng(3)))
+    page = lesson()
+    page.get_by_role("radio", name="my files").click()
+    page.get_by_text("your master, rover and navigation files are missing").wait_for(timeout=PATIENCE)
+    for number, name in enumerate(("master.obs", "rover.obs", "broadcast.nav")):
+        page.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
+        page.wait_for_timeout(1500)
+    page.locator(".gl-readouts").wait_for(timeout=PATIENCE)
+    assert "1.167" in _readouts(page)
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_overflows_and_the_theme_is_followed(lesson, width, scheme, tmp_path):
+    page = lesson(width=width, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    widest = page.evaluate(
+        "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(e => e.getBoundingClientRect().right))"
+    )
+    assert widest <= width
+    assert page.evaluate("document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')") == (scheme == "dark")
+    page.screenshot(path=tmp_path / "lesson.png", full_page=True)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_home_page_fits_a_phone(visit, scheme):
+    page = visit("/", width=390, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_pictures_have_words(lesson):
+    page = lesson()
+    words = page.locator(".gl-pictures img").first.get_attribute("alt")
+    assert "300 epochs" in words
+    assert "points to 35.0 degrees" in words
+
+
+def test_keys_alone_suffice(visit):
+    page = visit("/")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    page.get_by_role("radio").first.wait_for(timeout=PATIENCE)
+    _tab_to(page, "radio")
+    page.keyboard.press("Space")
+    page.wait_for_selector(".gl-pictures img", timeout=2 * PATIENCE)
+    before = _readouts(page)
+    _tab_to(page, "slider")
+    page.keyboard.press("End")
+    _await_change(page, before, _readouts)
+
+
+def _tab_to(page, role):
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.getAttribute('role')") == role:
+            return
+    pytest.fail(f"no {role} is reached by the tabulator key")
+
+
+def test_latency_of_a_move(lesson, record_property, capsys):
+    """From key press to new picture, for eight moves; told, not judged."""
+    page = lesson()
+    slider = _slider(page, "Carrier noise")
+    slider.press("Home")
+    page.wait_for_timeout(1500)
+    taken = []
+    for _ in range(MOVES):
+        taken.append(page.evaluate(_TIMED_MOVE, slider.element_handle()))
+        page.wait_for_timeout(300)
+    record_property("latency_ms", taken)
+    with capsys.disabled():
+        print(f"\nmove to new picture: median {statistics.median(taken):.0f} ms, {[round(ms) for ms in taken]}")
+    assert len(taken) == MOVES
+
+
+_TIMED_MOVE = """
+(slider) => new Promise((done) => {
+  const card = document.querySelector('.gl-pictures').getRootNode();
+  const shown = () => document.querySelector('.gl-pictures img').src;
+  const before = shown();
+  const start = performance.now();
+  const look = () => shown() !== before ? done(performance.now() - start) : requestAnimationFrame(look);
+  slider.focus();
+  slider.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true, composed: true}));
+  look();
+})
+"""

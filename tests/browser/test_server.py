@@ -1,0 +1,48 @@
+"""The server by itself: addresses, theme, and a clean end on Ctrl-C."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import urlopen
+
+import pytest
+
+from gnsslab.teaching.catalogue import LESSONS
+
+
+def _get(address):
+    with urlopen(address, timeout=30) as answer:
+        return answer.read().decode("utf-8")
+
+
+def test_home_and_lessons_answer_and_follow_the_system_theme(course):
+    assert "by&nbsp;hand" in _get(course)
+    for lesson in LESSONS:
+        for address in (lesson.address, lesson.address.rstrip("/")):
+            page = _get(course.rstrip("/") + address)
+            assert lesson.title in page
+            assert '"theme": "system"' in page
+
+
+def test_unknown_address_is_not_found(course):
+    with pytest.raises(HTTPError, match="404"):
+        _get(course + "nothing").close()
+
+
+def test_ctrl_c_ends_cleanly():
+    process = subprocess.Popen(
+        [sys.executable, "-u", "-m", "gnsslab", "course", "--no-browser", "--port", "24780"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[2])},
+    )  # fmt: skip
+    with process:
+        process.stdout.readline()
+        time.sleep(2)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=20)
+    assert process.returncode == 0
+    assert "Traceback" not in out + err
