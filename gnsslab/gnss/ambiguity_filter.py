@@ -20,6 +20,11 @@ OUTLIER_SIGMAS = 4.5  # an innocent measurement is set aside once in 150 000 tim
 _EXCLUDED = 1e6  # factor on the variance of a measurement set aside: it no longer matters
 _NODE_LIMIT = 100_000  # of the integer search; a good epoch needs 10 to 1000
 
+# Inside the kernels an epoch is a table with a row a channel and these columns: few arguments compile fast.
+_ANCHOR, _CODE, _PHASE, _SIGMA_CODE, _SIGMA_PHASE, _SLIP, _WAVELENGTH, _COLUMNS = 0, 3, 4, 5, 6, 7, 8, 9
+# The filter's results are a row an epoch.
+_FLOAT, _FIXED, _RATIO, _RESTARTED, _MISFIT, _FREEDOM, _RESULTS = 0, 12, 24, 25, 26, 27, 28
+
 
 class Block(NamedTuple):
     """T consecutive epochs with the same k channels; d double differences; p states of motion."""
@@ -49,6 +54,8 @@ class Outcome(NamedTuple):
     Q_fixed: np.ndarray  # (T, 3, 3) [m^2]
     ratio: np.ndarray  # (T,) second best over best squared norm, 0 where nothing could be searched
     restarted: np.ndarray  # (T,) int, how many ambiguities the filter itself found to have slipped
+    misfit: np.ndarray  # (T,) weighted sum of squared carrier residuals of the fixed solution
+    freedom: np.ndarray  # (T,) what the misfit is expected to be if the sigmas are right
 
 
 def filter_block(x, P, block):
@@ -56,43 +63,53 @@ def filter_block(x, P, block):
 
     The first k ambiguity states belong to the block's channels; any further ones are carried along untouched.
     """
+    T, k = block.code.shape
+    table = np.empty((T, k, _COLUMNS))
+    table[:, :, :3] = block.anchors
+    for column, values in enumerate((block.code, block.phase, block.sigma_code, block.sigma_phase, block.slip, block.wavelength), 3):
+        table[:, :, column] = values
+    pairs = kernel_indices(np.column_stack([block.channel, block.reference]))
     x, P = kernel_input(x), kernel_input(P)
-    measured = (kernel_input(values) for values in block[:-2])
-    block = Block(*measured, kernel_indices(block.channel), kernel_indices(block.reference))
-    rows = np.asarray(_filter_epochs(x, P, block))
-    b_float, Q_float, b_fixed, Q_fixed, ratio, restarted = np.split(rows, [3, 12, 15, 24, 25], axis=1)
+    motion = (kernel_input(values) for values in (block.F, block.Q, block.offset, block.drift, block.near))
+    rows = np.asarray(_filter_epochs(x, P, *motion, kernel_input(table), pairs))
+    return np.asarray(x), np.asarray(P), _outcome(rows)
+
+
+def _outcome(rows):
+    b_float, Q_float, b_fixed, Q_fixed, *numbers = np.split(rows, [3, 12, 15, 24, 25, 26, 27], axis=1)
     square = (len(rows), 3, 3)
-    outcome = Outcome(b_float, Q_float.reshape(square), b_fixed, Q_fixed.reshape(square), ratio[:, 0], restarted[:, 0].astype(int))
-    return np.asarray(x), np.asarray(P), outcome
+    return Outcome(b_float, Q_float.reshape(square), b_fixed, Q_fixed.reshape(square), *(column[:, 0] for column in numbers))
 
 
 @kernel
-def _filter_epochs(x, P, block):
-    """Move x, P through the block, in place; return a row an epoch with the fields of Outcome side by side (T, 26)."""
-    T = len(block.code)
-    rows = matrix(T, 26)
-    for t in range(T):
-        predict(x, P, block.F[t], block.Q[t], block.offset[t])
-        _loosen(P, block, t)
-        rho, u = _ranges(block.anchors[t], block.near[t])
-        _update_by_code(x, P, block, t, rho, u)
-        rows[t][25] = _update_by_phase(x, P, block, t, rho, u)
-        _copy_baseline(x, P, rows[t], 0)
-        _copy_baseline(x, P, rows[t], 12)
-        rows[t][24] = _fix(x, P, block, rows[t])
+def _filter_epochs(x, P, F, Q, offset, drift, near, table, pairs):
+    """Move x, P through T epochs, in place; return a row of results an epoch (T, 28)."""
+    rows = matrix(len(table), _RESULTS)
+    p = len(offset[0])
+    for t in range(len(table)):
+        channels, row = table[t], rows[t]
+        predict(x, P, F[t], Q[t], offset[t])
+        _loosen(P, p, channels, drift[t])
+        sight = _sight(channels, near[t])
+        _update_by_code(x, P, p, channels, pairs, sight, near[t])
+        row[_RESTARTED] = _update_by_phase(x, P, p, channels, pairs, sight, near[t])
+        _copy_baseline(x, P, row, _FLOAT)
+        _copy_baseline(x, P, row, _FIXED)
+        row[_RATIO] = _fix(x, P, p, pairs, row)
+        _judge(channels, pairs, sight, near[t], row)
     return rows
 
 
 @kernel
-def _loosen(P, block, t):
-    """Let the ambiguities drift, in place: multipath moves the carrier slowly, and no average of hours may be believed to the micrometre."""
-    p = len(block.offset[t])
-    for i in range(len(block.wavelength)):
-        P[p + i][p + i] += block.drift[t] / block.wavelength[i] ** 2
+def _loosen(P, p, channels, drift):
+    """Let the ambiguities drift by a variance [m^2], in place."""
+    for i in range(len(channels)):
+        P[p + i][p + i] += drift / channels[i][_WAVELENGTH] ** 2
 
 
 @kernel
 def _copy_baseline(x, P, row, start):
+    """Write baseline and covariance to a row of results, from column `start` on."""
     for i in range(3):
         row[start + i] = x[i]
         for j in range(3):
@@ -100,29 +117,27 @@ def _copy_baseline(x, P, row, start):
 
 
 @kernel
-def _ranges(anchors, baseline):
-    """Return ranges rho (k,) and unit vectors u (k, 3) from the rover at the baseline's end to the anchors."""
-    k = len(anchors)
-    rho, u = vector(k), matrix(k, 3)
-    for i in range(k):
+def _sight(channels, near):
+    """Return (k, 4): unit vector from the rover at the baseline `near` to each channel's satellite, and the range [m]."""
+    sight = matrix(len(channels), 4)
+    for i in range(len(channels)):
         for axis in range(3):
-            u[i][axis] = anchors[i][axis] - baseline[axis]
-        rho[i] = math.sqrt(u[i][0] ** 2 + u[i][1] ** 2 + u[i][2] ** 2)
+            sight[i][axis] = channels[i][_ANCHOR + axis] - near[axis]
+        rho = math.sqrt(sight[i][0] ** 2 + sight[i][1] ** 2 + sight[i][2] ** 2)
         for axis in range(3):
-            u[i][axis] /= rho[i]
-    return rho, u
+            sight[i][axis] /= rho
+        sight[i][3] = rho
+    return sight
 
 
 @kernel
-def _update_by_code(x, P, block, t, rho, u):
-    """Update x, P by the codes of epoch t, in place; a code that the others contradict is set aside for this epoch."""
-    k = len(rho)
-    variance, no_wavelength = vector(k), vector(k)
-    for i in range(k):
-        variance[i] = block.sigma_code[t][i] ** 2
+def _update_by_code(x, P, p, channels, pairs, sight, near):
+    """Update x, P by an epoch's codes, in place; a code that the others contradict is set aside for this epoch."""
+    k = len(channels)
+    variance = _variances(channels, _SIGMA_CODE)
     for _ in range(k // 3 + 1):
-        C, W = _innovation(x, P, block, t, block.code[t], rho, u, no_wavelength, variance)
-        worst = _outlying_channel(C, W, block, k)
+        C, W = _innovation(x, P, p, channels, pairs, sight, near, variance, _CODE)
+        worst = _outlying_channel(C, W, pairs, k)
         if worst < 0:
             break
         variance[worst] *= _EXCLUDED
@@ -130,108 +145,112 @@ def _update_by_code(x, P, block, t, rho, u):
 
 
 @kernel
-def _update_by_phase(x, P, block, t, rho, u):
-    """Update x, P by the carriers of epoch t, in place; return how many ambiguities the others contradicted: they start anew."""
-    k = len(rho)
-    variance, restarted = vector(k), vector(k)
+def _update_by_phase(x, P, p, channels, pairs, sight, near):
+    """Update x, P by an epoch's carriers, in place; return how many ambiguities the others contradicted: they start anew."""
+    k = len(channels)
+    variance, restarted = _variances(channels, _SIGMA_PHASE), vector(k)
     for i in range(k):
-        variance[i] = block.sigma_phase[t][i] ** 2
-        if block.slip[t][i] != 0.0:
-            _restart(x, P, block, t, i)
+        if channels[i][_SLIP] != 0.0:
+            _restart(x, P, p, channels, i)
     for _ in range(k // 3 + 1):
-        C, W = _innovation(x, P, block, t, block.phase[t], rho, u, block.wavelength, variance)
-        worst = _outlying_channel(C, W, block, k)
+        C, W = _innovation(x, P, p, channels, pairs, sight, near, variance, _PHASE)
+        worst = _outlying_channel(C, W, pairs, k)
         if worst < 0 or restarted[worst] > 0:
             break
         restarted[worst] = 1.0
-        _restart(x, P, block, t, worst)
+        _restart(x, P, p, channels, worst)
     update(x, P, W)
     return sum(restarted)
 
 
 @kernel
-def _restart(x, P, block, t, channel):
-    """Open the ambiguity of a channel anew at carrier minus code, in place: a wide prior, no correlation."""
-    i = len(block.offset[t]) + channel
-    x[i] = (block.phase[t][channel] - block.code[t][channel]) / block.wavelength[channel]
-    for j in range(len(x)):
-        P[i][j] = P[j][i] = 0.0
-    P[i][i] = (SIGMA_NEW_AMBIGUITY / block.wavelength[channel]) ** 2
+def _variances(channels, column):
+    """Return the squares (k,) of a column of sigmas."""
+    variance = vector(len(channels))
+    for i in range(len(channels)):
+        variance[i] = channels[i][column] ** 2
+    return variance
 
 
 @kernel
-def _innovation(x, P, block, t, measured, rho, u, wavelength, variance):
-    """Return C (d, d) and W = C^-1 [H P, z] (d, n + 1) of the double differences of one kind of measurement.
+def _restart(x, P, p, channels, i):
+    """Open the ambiguity of channel i anew at carrier minus code, in place: a wide prior, no correlation."""
+    wavelength, state = channels[i][_WAVELENGTH], p + i
+    x[state] = (channels[i][_PHASE] - channels[i][_CODE]) / wavelength
+    for j in range(len(x)):
+        P[state][j] = P[j][state] = 0.0
+    P[state][state] = (SIGMA_NEW_AMBIGUITY / wavelength) ** 2
 
-    z = D (measured - rho(near)) - H (x - near),   H = [-D u, 0, D wavelength],   C C' = H P H' + D diag(variance) D'
+
+@kernel
+def _innovation(x, P, p, channels, pairs, sight, near, variance, kind):
+    """Return C (d, d) and W = C^-1 [H P, z] (d, n + 1) of the double differences of one kind of measurement, _CODE or _PHASE.
+
+    z = D (measured - range(near)) - H (x - near),   H = [-D u, 0, D wavelength],   C C' = H P H' + D diag(variance) D';
+    the wavelengths stand in H for the carrier only.
     """
-    d, n, p = len(block.channel), len(x), len(block.offset[t])
+    d, n = len(pairs), len(x)
     S, W = matrix(d, d), matrix(d, n + 1)
     for r in range(d):
-        i, j = block.channel[r], block.reference[r]
-        W_r = W[r]
-        W_r[n] = (measured[i] - rho[i]) - (measured[j] - rho[j])
+        i, j, W_r = pairs[r][0], pairs[r][1], W[r]
+        W_r[n] = _difference(channels, sight, i, j, kind)
         for axis in range(3):
-            slope = u[j][axis] - u[i][axis]
+            slope = sight[j][axis] - sight[i][axis]
             add_multiple(W_r, P[axis], slope)
-            W_r[n] -= slope * (x[axis] - block.near[t][axis])
-        add_multiple(W_r, P[p + i], wavelength[i])
-        add_multiple(W_r, P[p + j], -wavelength[j])
-        W_r[n] -= wavelength[i] * x[p + i] - wavelength[j] * x[p + j]
+            W_r[n] -= slope * (x[axis] - near[axis])
+        if kind == _PHASE:
+            wavelength = channels[i][_WAVELENGTH]
+            add_multiple(W_r, P[p + i], wavelength)
+            add_multiple(W_r, P[p + j], -wavelength)
+            W_r[n] -= wavelength * (x[p + i] - x[p + j])
+        for q in range(r + 1):
+            S[r][q] = _noise(pairs, r, q, variance)
     for r in range(d):
         for q in range(r + 1):
-            S[r][q] = _covariance(W[r], block, q, u, wavelength, p) + _noise(block, r, q, variance)
+            i, j = pairs[q][0], pairs[q][1]
+            for axis in range(3):
+                S[r][q] += W[r][axis] * (sight[j][axis] - sight[i][axis])
+            if kind == _PHASE:
+                S[r][q] += (W[r][p + i] - W[r][p + j]) * channels[i][_WAVELENGTH]
     factor_cholesky(S)
     solve_lower(S, W)
     return S, W
 
 
 @kernel
-def _covariance(HP_r, block, q, u, wavelength, p):
-    """Return row r of H P times row q of H."""
-    i, j = block.channel[q], block.reference[q]
-    total = wavelength[i] * HP_r[p + i] - wavelength[j] * HP_r[p + j]
-    for axis in range(3):
-        total += (u[j][axis] - u[i][axis]) * HP_r[axis]
-    return total
+def _difference(channels, sight, i, j, kind):
+    """Return measured minus range of channel i, less that of channel j."""
+    return (channels[i][kind] - sight[i][3]) - (channels[j][kind] - sight[j][3])
 
 
 @kernel
-def _noise(block, r, q, variance):
+def _noise(pairs, r, q, variance):
     """Return entry (r, q) of D diag(variance) D': the 4-2-2 pattern where all variances are 2."""
-    if block.reference[r] != block.reference[q]:
+    if pairs[r][1] != pairs[q][1]:
         return 0.0
-    return variance[block.reference[r]] + (variance[block.channel[r]] if r == q else 0.0)
+    return variance[pairs[r][1]] + (variance[pairs[r][0]] if r == q else 0.0)
 
 
 @kernel
-def _outlying_channel(C, W, block, k):
+def _outlying_channel(C, W, pairs, k):
     """Return the channel whose error best explains an innovation that fails the overall test, -1 where it passes or none stands out."""
     if is_consistent(W):
         return -1
     D = matrix(len(W), k)
     for r in range(len(W)):
-        D[r][block.channel[r]] = 1.0
-        D[r][block.reference[r]] = -1.0
+        D[r][pairs[r][0]] = 1.0
+        D[r][pairs[r][1]] = -1.0
     worst, sigmas = worst_outlier(C, W, D)
     return worst if sigmas > OUTLIER_SIGMAS else -1
 
 
 @kernel
-def _fix(x, P, block, row):
-    """Condition the baseline in a row of results on the best integers, in place; return the ratio, 0 without integers."""
-    d, p = len(block.channel), len(block.offset[0])
+def _fix(x, P, p, pairs, row):
+    """Condition the fixed baseline in a row of results on the best integers, in place; return the ratio, 0 without integers."""
+    d = len(pairs)
     if d == 0:
         return 0.0
-    a_hat, Q_ba, Q_a = vector(d), matrix(3, d), matrix(d, d)
-    for r in range(d):
-        i, j = p + block.channel[r], p + block.reference[r]
-        a_hat[r] = x[i] - x[j]
-        for axis in range(3):
-            Q_ba[axis][r] = P[axis][i] - P[axis][j]
-        for q in range(d):
-            g, h = p + block.channel[q], p + block.reference[q]
-            Q_a[r][q] = P[i][g] - P[i][h] - P[j][g] + P[j][h]
+    a_hat, Q_a, Q_ba = _double_difference_ambiguities(x, P, p, pairs)
     Z, L, variances, status = decorrelate_kernel(Q_a)
     if status != GOOD:
         return 0.0
@@ -251,10 +270,27 @@ def _fix(x, P, block, row):
 
 
 @kernel
-def _condition_on_integers(row, step, Q_bz, L, variances):
-    """Add Q_bz Q_z^-1 step to the baseline at 12 and subtract Q_bz Q_z^-1 Q_zb after it: one integer after the other, last first.
+def _double_difference_ambiguities(x, P, p, pairs):
+    """Return a_hat (d,) and Q_a (d, d) [cycles] of the double differences, and their covariance Q_ba (3, d) with the baseline."""
+    d = len(pairs)
+    a_hat, Q_a, Q_ba = vector(d), matrix(d, d), matrix(3, d)
+    for r in range(d):
+        i, j = p + pairs[r][0], p + pairs[r][1]
+        a_hat[r] = x[i] - x[j]
+        for axis in range(3):
+            Q_ba[axis][r] = P[axis][i] - P[axis][j]
+        for q in range(d):
+            g, h = p + pairs[q][0], p + pairs[q][1]
+            Q_a[r][q] = P[i][g] - P[i][h] - P[j][g] + P[j][h]
+    return a_hat, Q_a, Q_ba
 
-    With Q_z = L' diag(d) L the integers enter independently: step_j and column j of Q_bz, less what those after j explain.
+
+@kernel
+def _condition_on_integers(row, step, Q_bz, L, variances):
+    """Add Q_bz Q_z^-1 step to the fixed baseline and subtract Q_bz Q_z^-1 Q_zb from its covariance, in place.
+
+    With Q_z = L' diag(d) L the integers enter one after the other, last first: step_j and column j of Q_bz, less what those
+    after j explain.
     """
     for j in range(len(variances) - 1, -1, -1):
         for i in range(j + 1, len(variances)):
@@ -262,6 +298,35 @@ def _condition_on_integers(row, step, Q_bz, L, variances):
             for axis in range(3):
                 Q_bz[axis][j] -= Q_bz[axis][i] * L[i][j]
         for axis in range(3):
-            row[12 + axis] += Q_bz[axis][j] * step[j] / variances[j]
+            row[_FIXED + axis] += Q_bz[axis][j] * step[j] / variances[j]
             for other in range(3):
-                row[15 + 3 * axis + other] -= Q_bz[axis][j] * Q_bz[other][j] / variances[j]
+                row[_FIXED + 3 + 3 * axis + other] -= Q_bz[axis][j] * Q_bz[other][j] / variances[j]
+
+
+@kernel
+def _judge(channels, pairs, sight, near, row):
+    """Write r' R^-1 r of the fixed baseline's carrier residuals and its expectation d - tr(R^-1 H Q H') to the row.
+
+    r = D (phase - range) less the nearest whole wavelengths, H = -D u, Q the covariance of that baseline: a Kalman update leaves
+    residuals of covariance R - H Q H'.
+    """
+    d = len(pairs)
+    variance, R, G = _variances(channels, _SIGMA_PHASE), matrix(d, d), matrix(d, 4)
+    for r in range(d):
+        i, j = pairs[r][0], pairs[r][1]
+        wavelength = channels[i][_WAVELENGTH]
+        residual = _difference(channels, sight, i, j, _PHASE)
+        for axis in range(3):
+            G[r][axis] = sight[j][axis] - sight[i][axis]
+            residual -= G[r][axis] * (row[_FIXED + axis] - near[axis])
+        G[r][3] = residual - wavelength * math.floor(residual / wavelength + 0.5)
+        for q in range(r + 1):
+            R[r][q] = _noise(pairs, r, q, variance)
+    factor_cholesky(R)
+    solve_lower(R, G)
+    row[_FREEDOM] = d
+    for r in range(d):
+        row[_MISFIT] += G[r][3] ** 2
+        for axis in range(3):
+            for other in range(3):
+                row[_FREEDOM] -= G[r][axis] * row[_FIXED + 3 + 3 * axis + other] * G[r][other]
