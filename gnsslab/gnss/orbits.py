@@ -47,10 +47,12 @@ def satellite_states(ephemerides, satellites, time, transit):
     The satellite's clock read tag - transit when the signal left; system time of transmission is t = tag - transit - dt(t).
     The receiver's own clock error cancels in tag - pseudorange / c, so each receiver has its own times of transmission.
 
-    Source: IS-GPS-200N sections 20.3.3.3.3.1 and 20.3.3.4.3. Raises nothing: what is missing is NaN and index -1.
+    Source: IS-GPS-200N sections 20.3.3.3.3.1 and 20.3.3.4.3. What is missing is NaN, with index -1; raises ValueError for
+    a transit of another shape.
     """
     time = np.asarray(time, dtype="datetime64[ns]")
     transit = np.asarray(transit, dtype=float)
+    _require_shape(transit, (len(time), len(satellites)))
     index = select_ephemerides(ephemerides, satellites, time)
     is_known = (index >= 0) & np.isfinite(transit)
     row, epoch = index[is_known], np.nonzero(is_known)[0]
@@ -68,6 +70,11 @@ def satellite_states(ephemerides, satellites, time, transit):
         index=index,
         accuracy=_spread(ephemerides.accuracy[index[is_known]], is_known),
     )
+
+
+def _require_shape(transit, shape):
+    if transit.shape != shape:
+        raise ValueError(f"expected transit times of shape (epochs, satellites) = {shape}, came {transit.shape}")
 
 
 def select_ephemerides(ephemerides, satellites, time):
@@ -164,6 +171,10 @@ def kepler_states(elements, t):
 
     M = M0 + n t;  E - e sin E = M;  nu = atan2(sqrt(1 - e^2) sin E, cos E - e);  u, r, i with their second harmonics;
     dt_rel = -2 sqrt(mu) / c^2 e sqrt(A) sin E.   Velocities are the exact time derivatives of the same formulas.
+
+    >>> circle = Elements(*np.zeros((22, 1)))._replace(sqrt_a=np.array([5153.6]))
+    >>> kepler_states(circle, np.zeros(1))[0].tolist()
+    [[26559592.96, 0.0, 0.0]]
     """
     el = elements
     a = el.sqrt_a**2

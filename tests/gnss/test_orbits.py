@@ -204,6 +204,11 @@ def test_nothing_to_compute_gives_empty_arrays():
     assert np.isnan(group_delay(empty, np.array([[-1]]), "G", "1")).all()
 
 
+def test_transit_of_another_shape_is_refused():
+    with pytest.raises(ValueError, match=r"expected transit times of shape \(epochs, satellites\) = \(1, 1\), came \(1, 2\)"):
+        satellite_states(data_set("G01"), ["G01"], np.array([TOE]), np.zeros((1, 2)))
+
+
 def test_caller_arrays_stay_as_they_are():
     eph, time, transit = data_set("C01"), np.array([TOE]), np.array([[0.13]])
     for array in (time, transit, *(getattr(eph, name) for name in ARRAY_FIELDS)):

@@ -1,9 +1,5 @@
 """Orbits and clocks against RTKLIB's own, through pyrtklib, on every navigation file of the real data sets."""
 
-import importlib
-import os
-import sys
-
 import numpy as np
 import pytest
 
@@ -18,17 +14,6 @@ FILES = [
     ("geonet-0759-3040", "07590920.05n"), ("geonet-0759-3040", "30400920.05n"), ("cssrlib-078", "30340780.21q"), ("cssrlib-078", "SEPT078M.21P"),
 ]  # fmt: skip
 KINDS = {"base.nav": {"G", "E", "J", "C", "E18", "C01"}, "base_all.nav": {"C", "C01"}, "SEPT078M.21P": {"G", "E", "J"}}  # C01: GEO, E18: e = 0.16
-
-
-@pytest.fixture(scope="module")
-def rtk():
-    try:
-        return importlib.import_module("pyrtklib")
-    except ImportError:
-        reason = "pyrtklib is not installed, so RTKLIB's orbits are not there to compare with"
-    if os.environ.get("GNSSLAB_REQUIRE_ALL") == "1" and sys.version_info < (3, 14):  # no wheel for 3.14
-        pytest.fail(f"GNSSLAB_REQUIRE_ALL=1, but: {reason}")
-    pytest.skip(reason)
 
 
 @pytest.fixture(params=FILES, ids="/".join)
