@@ -89,6 +89,8 @@ def check_types(state, line):
         raise RinexError(state.file, f"expected a header line {label!r}, found none", line)
     for system, (number, where) in state.announced.items():
         found = len(state.types[system])
+        if number == 0 and state.version < 3:
+            raise RinexError(state.file, "expected at least one observation type, found 0", where)
         twice = next((kind for kind in state.types[system] if state.types[system].count(kind) > 1), None)
         if twice:
             raise RinexError(state.file, f"expected each observation type once, found {twice} twice", where)

@@ -9,8 +9,9 @@ import numpy as np
 
 from gnsslab.gnss.observations import Observations, SystemTable
 from gnsslab.gnss.rinex.epoch_times import epoch_times
-from gnsslab.gnss.rinex.epochs import CYCLE_SLIPS, OBSERVED, POWER_FAILURE, Version2, Version3, find_epochs, is_epoch_of_version_2
+from gnsslab.gnss.rinex.epochs import CYCLE_SLIPS, OBSERVED, POWER_FAILURE, find_epochs
 from gnsslab.gnss.rinex.errors import RinexError, quoted
+from gnsslab.gnss.rinex.grammar import Version2, Version3, is_epoch_of_version_2
 from gnsslab.gnss.rinex.headers import HeaderState, check_types, take_header_line, take_version
 from gnsslab.gnss.rinex.lines import Lines
 from gnsslab.gnss.rinex.rows import LETTERS, find_rows, measurements, raw_fields
