@@ -80,7 +80,7 @@ def is_klobuchar(eight):
 
 def _half(label, line, system):
     """Return (system, A or B) and the column where the numbers begin, or (None, 0) for another line."""
-    if label in ("ION ALPHA", "ION BETA"):
+    if label in ("ION ALPHA", "ION BETA") and system in _IONOSPHERE_NAMES.values():  # Galileo's are of another model
         return (system, label[4]), 2
     if label == "IONOSPHERIC CORR" and line[:3] in _IONOSPHERE_NAMES:
         return (_IONOSPHERE_NAMES[line[:3]], line[3:4]), 5

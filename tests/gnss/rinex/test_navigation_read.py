@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from navigation_texts import BEIDOU, COEFFICIENTS, EPOCH, GALILEO, GLONASS, GPS, GPS_2, MIXED_3, MIXED_4, header, record
+from navigation_texts import BEIDOU, COEFFICIENTS, EPOCH, GALILEO, GLONASS, GPS, GPS_2, MIXED_3, MIXED_4, QZSS, header, record
 
 from gnsslab.gnss.rinex.navigation_reader import merge_ephemerides, read_rinex_nav, within_half_a_week
 from gnsslab.gnss.times import BDT_BEHIND_GPS
@@ -89,6 +89,25 @@ def test_rinex_2_of_other_systems_is_counted(read, kind, count):
     eph = read(header("2.11", kind, "") + 2 * record(" 1", "24  6 24 10  0  0.0", GLONASS, indent=3))
     assert len(eph.satellite) == 0
     assert eph.warnings == (f"test.nav: 2 {count} data sets are not used here",)
+
+
+@pytest.mark.parametrize(
+    ("kind", "satellite", "numbers", "toe"), [("E: GALILEO NAV DATA", "E18", GALILEO, "07:10"), ("J: QZSS NAV DATA", "J18", QZSS, "10:00")]
+)
+def test_rinex_2_12_of_galileo_and_qzss(read, kind, satellite, numbers, toe):
+    nequick = ("    4.9250D+01  2.0703D-01  4.0283D-03", "ION ALPHA")
+    eph = read(header("2.12", kind, "", *([nequick] if "GAL" in kind else [])) + record("18", "24  6 24  7 10  0.0", numbers, indent=3))
+    assert eph.satellites == (satellite,)
+    assert eph.toe[0] == np.datetime64(f"2024-06-24T{toe}:00")
+    assert (eph.ionosphere, eph.warnings) == ({}, ())
+
+
+def test_rounded_copies_of_merged_files_are_repetitions(read):
+    """As IGS merges them: I/NAV with bits of E1, E5b and both, one of them with two digits less; F/NAV is another message."""
+    copies = [GALILEO.replace(" 5.170000000000E+02", f" {bits:.12E}") for bits in (258, 513, 516, 517)]
+    copies[2] = copies[2].replace("2.575535327196E-04", "2.575535327200E-04")
+    eph = read(header() + "".join(record("E18", "2024 06 24 07 10 00", text) for text in copies))
+    assert eph.clock_issue.tolist() == [258, 513]
 
 
 @pytest.mark.parametrize(("year", "expected"), [("94", "1994"), ("00", "2000"), (" 5", "2005"), ("79", "2079")])
