@@ -5,8 +5,8 @@ from datetime import UTC, datetime
 import numpy as np
 
 import gnsslab
-from gnsslab.gnss.rinex.atomic import write_atomically
 from gnsslab.gnss.rinex.navigation_fields import CLOCK_ISSUE_COLUMN, COLUMNS, FIELDS
+from gnsslab.gnss.rinex.observation_writer import write_whole
 from gnsslab.gnss.times import BDT_BEHIND_GPS, BDT_WEEK_ZERO, SECONDS_PER_WEEK, week_and_tow
 
 _UNKNOWN_TRANSMISSION = 0.9999e9  # as RINEX writes a time of transmission that is not known
@@ -15,14 +15,14 @@ _IONOSPHERE_NAMES = {"G": "GPS", "J": "QZS", "C": "BDS"}
 
 
 def write_rinex_nav(path, ephemerides):
-    """Write an `Ephemerides` as a RINEX 3.04 navigation file, whole or not at all.
+    """Write an `Ephemerides` as a RINEX 3.04 navigation file, whole or not at all; a name ending in .gz is compressed.
 
     Numbers keep 13 significant digits, as the format has them; ionosphere coefficients keep 5. Fields that `Ephemerides`
     does not hold (codes on L2, fit interval) are zero or blank. Raises ValueError where toc is no whole second, RinexError
     where the file cannot be written.
     """
     lines = [*_header_lines(ephemerides), *_data_lines(ephemerides)]
-    write_atomically(path, "\n".join(lines) + "\n")
+    write_whole(path, ("\n".join(lines) + "\n").encode("ascii"))
 
 
 def _header_lines(ephemerides):

@@ -43,6 +43,12 @@ def test_what_is_written_reads_back(mixed, tmp_path):
     assert again.warnings == ()
 
 
+def test_a_name_ending_in_gz_is_compressed(mixed, tmp_path):
+    write_rinex_nav(tmp_path / "out.nav.gz", mixed)
+    assert (tmp_path / "out.nav.gz").read_bytes().startswith(b"\x1f\x8b")
+    assert_equal(read_rinex_nav(tmp_path / "out.nav.gz"), mixed, ionosphere=5.1e-5)
+
+
 def test_the_second_writing_is_the_first_but_for_its_date(mixed, tmp_path):
     write_rinex_nav(tmp_path / "first.nav", mixed)
     write_rinex_nav(tmp_path / "second.nav", read_rinex_nav(tmp_path / "first.nav"))
