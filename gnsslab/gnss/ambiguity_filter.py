@@ -21,7 +21,7 @@ _EXCLUDED = 1e6  # factor on the variance of a measurement set aside: it no long
 _NODE_LIMIT = 100_000  # of the integer search; a good epoch needs 10 to 1000
 
 # Inside the kernels an epoch is a table with a row a channel and these columns: few arguments compile fast.
-_ANCHOR, _CODE, _PHASE, _SIGMA_CODE, _SIGMA_PHASE, _SLIP, _WAVELENGTH, _COLUMNS = 0, 3, 4, 5, 6, 7, 8, 9
+_CODE, _PHASE, _SIGMA_CODE, _SIGMA_PHASE, _SLIP, _WAVELENGTH, _COLUMNS = 3, 4, 5, 6, 7, 8, 9  # 0 to 2: design
 # The filter's results are a row an epoch.
 _FLOAT, _FIXED, _RATIO, _RESTARTED, _MISFIT, _FREEDOM, _RESULTS = 0, 12, 24, 25, 26, 27, 28
 
@@ -33,9 +33,9 @@ class Block(NamedTuple):
     Q: np.ndarray  # (T, p, p) its process noise covariance
     offset: np.ndarray  # (T, p)
     near: np.ndarray  # (T, 3) [m], baseline about which ranges are linearised: metres from the truth is near enough
-    anchors: np.ndarray  # (T, k, 3) [m], satellites at transmission, ECEF of the rover's reception, origin at the master
-    code: np.ndarray  # (T, k) [m], single difference of code plus the master's modelled range: the rover's range and clock
-    phase: np.ndarray  # (T, k) [m], the same from the carrier, with its ambiguity
+    design: np.ndarray  # (T, k, 3), change of a channel's single difference with the baseline
+    code: np.ndarray  # (T, k) [m], single difference, measured minus modelled at `near`
+    phase: np.ndarray  # (T, k) [m], the same of the carrier; wavelength times ambiguity is left in it
     sigma_code: np.ndarray  # (T, k) [m], of the single difference
     sigma_phase: np.ndarray  # (T, k) [m]
     slip: np.ndarray  # (T, k) 1 where the ambiguity starts anew, else 0
@@ -65,7 +65,7 @@ def filter_block(x, P, block):
     """
     T, k = block.code.shape
     table = np.empty((T, k, _COLUMNS))
-    table[:, :, :3] = block.anchors
+    table[:, :, :3] = block.design
     for column, values in enumerate((block.code, block.phase, block.sigma_code, block.sigma_phase, block.slip, block.wavelength), 3):
         table[:, :, column] = values
     pairs = kernel_indices(np.column_stack([block.channel, block.reference]))
@@ -90,13 +90,12 @@ def _filter_epochs(x, P, F, Q, offset, drift, near, table, pairs):
         channels, row = table[t], rows[t]
         predict(x, P, F[t], Q[t], offset[t])
         _loosen(P, p, channels, drift[t])
-        sight = _sight(channels, near[t])
-        _update_by_code(x, P, p, channels, pairs, sight, near[t])
-        row[_RESTARTED] = _update_by_phase(x, P, p, channels, pairs, sight, near[t])
+        _update_by_code(x, P, p, channels, pairs, near[t])
+        row[_RESTARTED] = _update_by_phase(x, P, p, channels, pairs, near[t])
         _copy_baseline(x, P, row, _FLOAT)
         _copy_baseline(x, P, row, _FIXED)
         row[_RATIO] = _fix(x, P, p, pairs, row)
-        _judge(channels, pairs, sight, near[t], row)
+        _judge(channels, pairs, near[t], row)
     return rows
 
 
@@ -117,26 +116,12 @@ def _copy_baseline(x, P, row, start):
 
 
 @kernel
-def _sight(channels, near):
-    """Return (k, 4): unit vector from the rover at the baseline `near` to each channel's satellite, and the range [m]."""
-    sight = matrix(len(channels), 4)
-    for i in range(len(channels)):
-        for axis in range(3):
-            sight[i][axis] = channels[i][_ANCHOR + axis] - near[axis]
-        rho = math.sqrt(sight[i][0] ** 2 + sight[i][1] ** 2 + sight[i][2] ** 2)
-        for axis in range(3):
-            sight[i][axis] /= rho
-        sight[i][3] = rho
-    return sight
-
-
-@kernel
-def _update_by_code(x, P, p, channels, pairs, sight, near):
+def _update_by_code(x, P, p, channels, pairs, near):
     """Update x, P by an epoch's codes, in place; a code that the others contradict is set aside for this epoch."""
     k = len(channels)
     variance = _variances(channels, _SIGMA_CODE)
     for _ in range(k // 3 + 1):
-        C, W = _innovation(x, P, p, channels, pairs, sight, near, variance, _CODE)
+        C, W = _innovation(x, P, p, channels, pairs, near, variance, _CODE)
         worst = _outlying_channel(C, W, pairs, k)
         if worst < 0:
             break
@@ -145,7 +130,7 @@ def _update_by_code(x, P, p, channels, pairs, sight, near):
 
 
 @kernel
-def _update_by_phase(x, P, p, channels, pairs, sight, near):
+def _update_by_phase(x, P, p, channels, pairs, near):
     """Update x, P by an epoch's carriers, in place; return how many ambiguities the others contradicted: they start anew."""
     k = len(channels)
     variance, restarted = _variances(channels, _SIGMA_PHASE), vector(k)
@@ -153,7 +138,7 @@ def _update_by_phase(x, P, p, channels, pairs, sight, near):
         if channels[i][_SLIP] != 0.0:
             _restart(x, P, p, channels, i)
     for _ in range(k // 3 + 1):
-        C, W = _innovation(x, P, p, channels, pairs, sight, near, variance, _PHASE)
+        C, W = _innovation(x, P, p, channels, pairs, near, variance, _PHASE)
         worst = _outlying_channel(C, W, pairs, k)
         if worst < 0 or restarted[worst] > 0:
             break
@@ -183,19 +168,19 @@ def _restart(x, P, p, channels, i):
 
 
 @kernel
-def _innovation(x, P, p, channels, pairs, sight, near, variance, kind):
+def _innovation(x, P, p, channels, pairs, near, variance, kind):
     """Return C (d, d) and W = C^-1 [H P, z] (d, n + 1) of the double differences of one kind of measurement, _CODE or _PHASE.
 
-    z = D (measured - range(near)) - H (x - near),   H = [-D u, 0, D wavelength],   C C' = H P H' + D diag(variance) D';
-    the wavelengths stand in H for the carrier only.
+    z = D y - H (x - near),   H = [D design, 0, D wavelength],   C C' = H P H' + D diag(variance) D';  the wavelengths stand in H
+    for the carrier only.
     """
     d, n = len(pairs), len(x)
     S, W = matrix(d, d), matrix(d, n + 1)
     for r in range(d):
         i, j, W_r = pairs[r][0], pairs[r][1], W[r]
-        W_r[n] = _difference(channels, sight, i, j, kind)
+        W_r[n] = channels[i][kind] - channels[j][kind]
         for axis in range(3):
-            slope = sight[j][axis] - sight[i][axis]
+            slope = channels[i][axis] - channels[j][axis]
             add_multiple(W_r, P[axis], slope)
             W_r[n] -= slope * (x[axis] - near[axis])
         if kind == _PHASE:
@@ -209,18 +194,12 @@ def _innovation(x, P, p, channels, pairs, sight, near, variance, kind):
         for q in range(r + 1):
             i, j = pairs[q][0], pairs[q][1]
             for axis in range(3):
-                S[r][q] += W[r][axis] * (sight[j][axis] - sight[i][axis])
+                S[r][q] += W[r][axis] * (channels[i][axis] - channels[j][axis])
             if kind == _PHASE:
                 S[r][q] += (W[r][p + i] - W[r][p + j]) * channels[i][_WAVELENGTH]
     factor_cholesky(S)
     solve_lower(S, W)
     return S, W
-
-
-@kernel
-def _difference(channels, sight, i, j, kind):
-    """Return measured minus range of channel i, less that of channel j."""
-    return (channels[i][kind] - sight[i][3]) - (channels[j][kind] - sight[j][3])
 
 
 @kernel
@@ -304,10 +283,10 @@ def _condition_on_integers(row, step, Q_bz, L, variances):
 
 
 @kernel
-def _judge(channels, pairs, sight, near, row):
+def _judge(channels, pairs, near, row):
     """Write r' R^-1 r of the fixed baseline's carrier residuals and its expectation d - tr(R^-1 H Q H') to the row.
 
-    r = D (phase - range) less the nearest whole wavelengths, H = -D u, Q the covariance of that baseline: a Kalman update leaves
+    r = D phase - H (b - near) less the nearest whole wavelengths, H = D design, Q the covariance of that baseline: a Kalman update leaves
     residuals of covariance R - H Q H'.
     """
     d = len(pairs)
@@ -315,9 +294,9 @@ def _judge(channels, pairs, sight, near, row):
     for r in range(d):
         i, j = pairs[r][0], pairs[r][1]
         wavelength = channels[i][_WAVELENGTH]
-        residual = _difference(channels, sight, i, j, _PHASE)
+        residual = channels[i][_PHASE] - channels[j][_PHASE]
         for axis in range(3):
-            G[r][axis] = sight[j][axis] - sight[i][axis]
+            G[r][axis] = channels[i][axis] - channels[j][axis]
             residual -= G[r][axis] * (row[_FIXED + axis] - near[axis])
         G[r][3] = residual - wavelength * math.floor(residual / wavelength + 0.5)
         for q in range(r + 1):

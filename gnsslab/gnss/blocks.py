@@ -67,7 +67,7 @@ def _block(model, path, span, channels):
         Q=path.Q[span],
         offset=path.offset[span],
         near=model.near[span],
-        anchors=model.anchors[dense],
+        design=model.design[dense],
         code=model.code[dense],
         phase=model.phase[dense],
         sigma_code=model.sigma_code[dense],

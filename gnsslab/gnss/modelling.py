@@ -1,4 +1,8 @@
-"""Modelling: a Pair of receivers made ready for the filter, by orbits, clocks, troposphere, weights and screening."""
+"""Modelling: a Pair of receivers made ready for the filter, by orbits, clocks, troposphere, weights and screening.
+
+The ionosphere is left in: over the few kilometres that these methods are for it cancels to millimetres, and the broadcast
+model's difference between two ends is no better than nothing (`relative.ATMOSPHERE` accounts for what is left).
+"""
 
 from dataclasses import dataclass
 
@@ -12,6 +16,8 @@ from gnsslab.gnss.screening import cycle_slips, has_half_cycle, is_shadowed
 from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.gnss.weighting import sigma_code, sigma_phase
 
+_HEIGHT_STEP = 10.0  # [m], over which the troposphere's slope is taken
+
 
 @dataclass(frozen=True, eq=False)
 class Model:
@@ -19,9 +25,9 @@ class Model:
 
     pair: Pair
     near: np.ndarray  # (T, 3) [m], approximate baseline, ECEF
-    anchors: np.ndarray  # (T, c, 3) [m], satellites at transmission, ECEF of the rover's reception, origin at the master
-    code: np.ndarray  # (T, c) [m], the rover's range and receiver clocks: single difference plus the master's range
-    phase: np.ndarray  # (T, c) [m], the same from the carrier, plus wavelength times ambiguity
+    design: np.ndarray  # (T, c, 3), change of a channel's single difference with the baseline: - u, and the troposphere's slope
+    code: np.ndarray  # (T, c) [m], single difference, measured minus modelled at `near`
+    phase: np.ndarray  # (T, c) [m], the same of the carrier; wavelength times ambiguity is left in it
     sigma_code: np.ndarray  # (T, c) [m], of the single difference
     sigma_phase: np.ndarray  # (T, c) [m]
     elevation: np.ndarray  # (T, c) [rad]
@@ -37,15 +43,15 @@ def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise):
     """
     at_master = _trace(pair, pair.master, pair.time_master, master_ecef, ephemerides)
     at_rover = _trace(pair, pair.rover, pair.time, rover_ecef, ephemerides)
-    known = (at_rover.correction - at_master.correction + at_master.range)[:, pair.satellite]
+    modelled = (at_rover.modelled - at_master.modelled)[:, pair.satellite]
     elevation = at_master.elevation[:, pair.satellite]
-    usable = _usable(pair, known, elevation, mask)
+    usable = _usable(pair, modelled, elevation, mask)
     return Model(
         pair=pair,
         near=rover_ecef - master_ecef,
-        anchors=(at_rover.position - master_ecef[:, None])[:, pair.satellite],
-        code=pair.rover.code - pair.master.code + known,
-        phase=(pair.rover.phase - pair.master.phase) * pair.wavelength + known,
+        design=at_rover.design[:, pair.satellite],
+        code=pair.rover.code - pair.master.code - modelled,
+        phase=(pair.rover.phase - pair.master.phase) * pair.wavelength - modelled,
         sigma_code=_single_difference_sigma(sigma_code, noise, pair, elevation),
         sigma_phase=_single_difference_sigma(sigma_phase, noise, pair, elevation),
         elevation=elevation,
@@ -58,23 +64,33 @@ def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise):
 class _Traced:
     """Signals of m satellites followed from transmission to one receiver."""
 
-    position: np.ndarray  # (T, m, 3) [m] at transmission, ECEF of reception
-    range: np.ndarray  # (T, m) [m]
-    correction: np.ndarray  # (T, m) [m], to add to a measurement: satellite clock minus troposphere
+    modelled: np.ndarray  # (T, m) [m], range plus troposphere minus satellite clock
+    design: np.ndarray  # (T, m, 3), change of `modelled` with the receiver's position
     elevation: np.ndarray  # (T, m) [rad]
 
 
 def _trace(pair, tracks, time, receiver_ecef, ephemerides):
     states = satellite_states(ephemerides, pair.satellites, time, _satellite_codes(pair, tracks) / SPEED_OF_LIGHT)
     travel_time = np.linalg.norm(states.position - receiver_ecef[:, None], axis=-1) / SPEED_OF_LIGHT
-    position = rotate_to_reception(states.position, travel_time)
-    sight = position - receiver_ecef[:, None]
+    sight = rotate_to_reception(states.position, travel_time) - receiver_ecef[:, None]
     rho = np.linalg.norm(sight, axis=-1)
+    u = sight / rho[..., None]
     R_ne = enu_rotation(receiver_ecef)
-    _, elevation = azimuth_elevation(np.einsum("tij,tmj->tmi", R_ne, sight / rho[..., None]))
-    lat, _, height = np.moveaxis(geodetic_from_ecef(receiver_ecef), -1, 0)
-    troposphere = saastamoinen(lat[:, None], height[:, None], elevation)
-    return _Traced(position, rho, SPEED_OF_LIGHT * states.clock - troposphere, elevation)
+    _, elevation = azimuth_elevation(np.einsum("tij,tmj->tmi", R_ne, u))
+    lat, _, height = np.moveaxis(geodetic_from_ecef(receiver_ecef), -1, 0)[..., None]
+    troposphere, slope = _troposphere(lat, height, elevation)
+    return _Traced(
+        modelled=rho + troposphere - SPEED_OF_LIGHT * states.clock,
+        design=slope[..., None] * R_ne[:, None, 2] - u,
+        elevation=elevation,
+    )
+
+
+def _troposphere(lat, height, elevation):
+    """Return the delay (T, m) [m] and its change with height [m/m]: metres of error in the rover's height would else cost millimetres."""
+    zenith_below, zenith, zenith_above = (saastamoinen(lat, height + step, np.pi / 2) for step in (-_HEIGHT_STEP, 0.0, _HEIGHT_STEP))
+    obliquity = np.where(elevation > 0, 1 / np.sin(np.where(elevation > 0, elevation, np.nan)), np.nan)
+    return zenith * obliquity, (zenith_above - zenith_below) / (2 * _HEIGHT_STEP) * obliquity
 
 
 def _satellite_codes(pair, tracks):
@@ -86,8 +102,8 @@ def _satellite_codes(pair, tracks):
     return codes
 
 
-def _usable(pair, known, elevation, mask):
-    measured = np.isfinite(pair.rover.code + pair.master.code + pair.rover.phase + pair.master.phase + known)
+def _usable(pair, modelled, elevation, mask):
+    measured = np.isfinite(pair.rover.code + pair.master.code + pair.rover.phase + pair.master.phase + modelled)
     return measured & (elevation >= mask) & ~has_half_cycle(pair) & ~is_shadowed(pair)
 
 

@@ -4,7 +4,7 @@ Observations of two receivers -> Pair (common epochs and channels) -> Model (ran
 The master may stand on known ground or move along (moving base): only its own position array differs.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import partial
 
@@ -17,10 +17,13 @@ from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.modelling import build_model
 from gnsslab.gnss.points import solve_points
 from gnsslab.gnss.signals import USED_SYSTEMS
-from gnsslab.gnss.weighting import NoiseModel
+from gnsslab.gnss.times import seconds_between
+from gnsslab.gnss.weighting import NoiseModel, inflation_of_mean
 
 FEWEST_SATELLITES = 4
+ATMOSPHERE = 1e-6  # of the baseline's length, standard deviation on each axis: what ionosphere and troposphere leave in a difference
 _POINT_MASK_DEG = 10.0
+_PRIOR_FREEDOM = 30.0  # epochs of a few satellites: three to ten
 
 
 class Status(IntEnum):
@@ -40,7 +43,7 @@ class Settings:
     signals: tuple[str, ...] | None = None  # RINEX observation codes such as "C2I", in place of `frequencies`
     mask_deg: float = 15.0
     single_epoch: bool = False  # nothing is carried from one epoch to the next
-    noise: NoiseModel = NoiseModel()
+    noise: NoiseModel = field(default_factory=NoiseModel)
     acceleration: float = 3.0  # [m/s^2 per sqrt(Hz)] of a moving rover, see motion.moving
     acceptance: float = 16.0  # c of `ratio_threshold`
 
@@ -101,6 +104,16 @@ def ratio_threshold(n, acceptance=16.0):
     return np.maximum(1.5, 1.0 + acceptance / np.maximum(n, 1))
 
 
+def variance_factor(outcome, is_fixed):
+    """Return the factor by which the assumed variances are to be multiplied, judged by the carrier residuals of all fixed epochs.
+
+    (nu + sum of misfits) / (nu + sum of their expectations), with nu = 30 for what was assumed beforehand, so that a single
+    epoch changes little (variance component estimation with one component, with a prior).
+    """
+    expected = outcome.freedom[is_fixed].sum()
+    return (_PRIOR_FREEDOM + outcome.misfit[is_fixed].sum()) / (_PRIOR_FREEDOM + expected)
+
+
 def station_position(base, ephemerides):
     """Return the ECEF position (3,) [m] of a base's antenna reference point.
 
@@ -126,8 +139,16 @@ def _solve(master, rover, master_ecef, ephemerides, path_of, settings, progress)
     master_ecef = _filled(master_ecef)[pair.epoch_master]
     rover_ecef = _filled(points.position_ecef)[pair.epoch]
     model = build_model(pair, master_ecef, rover_ecef, ephemerides, np.radians(settings.mask_deg), settings.noise)
-    solution = run_blocks(model, path_of(pair.time, model.near), progress)
-    return _relative(rover.time, pair.epoch, master_ecef, solution, settings.acceptance)
+    path = path_of(pair.time, model.near)
+    solution = run_blocks(model, path, progress)
+    status = _judged(solution, settings.acceptance)
+    inflation = inflation_of_mean(path.averaged, _interval(pair.time), settings.noise)
+    factor = inflation * variance_factor(solution.outcome, status == Status.FIXED)
+    return _relative(rover.time, pair.epoch, master_ecef, solution.outcome, status, factor, solution.satellites)
+
+
+def _interval(time):
+    return float(np.median(seconds_between(time[1:], time[:-1]))) if len(time) > 1 else 1.0
 
 
 def _filled(position):
@@ -140,11 +161,16 @@ def _filled(position):
     return position[source]
 
 
-def _relative(time, epoch, master_ecef, solution, acceptance):
-    """Return the Relative of all rover epochs (T_all,) from the Solution at the common ones, `epoch` (T,) among them."""
-    outcome = solution.outcome
-    status = np.where(outcome.ratio >= ratio_threshold(solution.integers, acceptance), Status.FIXED, Status.FLOAT)
+def _judged(solution, acceptance):
+    """Return the Status (T,) of every common epoch."""
+    is_believed = solution.outcome.ratio >= ratio_threshold(solution.integers, acceptance)
+    status = np.where(is_believed, Status.FIXED, Status.FLOAT).astype(np.int8)
     status[solution.satellites < FEWEST_SATELLITES] = Status.NONE
+    return status
+
+
+def _relative(time, epoch, master_ecef, outcome, status, factor, satellites):
+    """Return the Relative of all rover epochs (T_all,) from what was found at the common ones (T,), `epoch` (T,) among them."""
     is_fixed = (status == Status.FIXED)[:, None]
     baseline = np.where(is_fixed, outcome.baseline_fixed, outcome.baseline_float)
     Q = np.where(is_fixed[..., None], outcome.Q_fixed, outcome.Q_float)
@@ -158,11 +184,17 @@ def _relative(time, epoch, master_ecef, solution, acceptance):
 
     return Relative(
         time=time,
-        status=at_all_epochs(status.astype(np.int8), Status.NONE),
+        status=at_all_epochs(status, Status.NONE),
         baseline_ecef=at_all_epochs(baseline),
         baseline_enu=at_all_epochs(np.einsum("tij,tj->ti", R_ne, baseline)),
-        Q_enu=at_all_epochs(R_ne @ Q @ R_ne.swapaxes(-1, -2)),
+        Q_enu=at_all_epochs(factor[:, None, None] * R_ne @ Q @ R_ne.swapaxes(-1, -2) + _atmosphere_left(baseline)),
         position_ecef=at_all_epochs(master_ecef + baseline),
         ratio=at_all_epochs(outcome.ratio),
-        satellites=at_all_epochs(solution.satellites, 0),
+        satellites=at_all_epochs(satellites, 0),
     )
+
+
+def _atmosphere_left(baseline):
+    """Return the covariance (T, 3, 3) [m^2] of what the atmospheres of both ends do not have in common: 1 mm a kilometre."""
+    sigma = ATMOSPHERE * np.linalg.norm(baseline, axis=-1)
+    return sigma[:, None, None] ** 2 * np.eye(3)

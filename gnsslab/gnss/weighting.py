@@ -19,6 +19,8 @@ class NoiseModel:
     phase: float = 0.003  # [m], the same at every elevation
     phase_horizon: float = 0.003  # [m], divided by sin(elevation)
     code_ratio: float = 100.0  # sigma of the code over sigma of the carrier
+    correlated_share: float = 2 / 3  # of the carrier's variance, multipath that lasts
+    correlation_time: float = 60.0  # [s], for which it lasts
 
 
 def sigma_phase(noise, elevation, cn0, wavelength):
@@ -42,3 +44,17 @@ def sigma_code(noise, elevation, cn0, wavelength):
     0.429
     """
     return noise.code_ratio * sigma_phase(noise, elevation, cn0, wavelength)
+
+
+def inflation_of_mean(n, interval, noise):
+    """Return how much larger the variance of the mean of n measurements is than independent ones would have it.
+
+    f = 1 + 2 s sum over k < n of (1 - k / n) phi^k, phi = exp(-interval / tau): s is the share of the variance that is
+    a first-order Gauss-Markov process of correlation time tau. One measurement is not inflated; many by 1 + 2 s tau / interval.
+
+    >>> inflation_of_mean(np.array([1, 10_000]), 1.0, NoiseModel()).round(1).tolist()
+    [1.0, 80.2]
+    """
+    n, phi = np.asarray(n, dtype=float), np.exp(-interval / noise.correlation_time)
+    correlated = phi / (1 - phi) - phi * (1 - phi**n) / (n * (1 - phi) ** 2)
+    return 1 + 2 * noise.correlated_share * correlated
