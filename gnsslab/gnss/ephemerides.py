@@ -38,7 +38,7 @@ class Ephemerides:
     issue: np.ndarray  # (k,) int, IODE, IODnav or AODE
     clock_issue: np.ndarray  # (k,) int, IODC, data-source bits (Galileo) or AODC
     accuracy: np.ndarray  # (k,) [m], URA or SISA; NaN where no prediction is given
-    health: np.ndarray  # (k,) int, 0 = usable
+    health: np.ndarray  # (k,) int as broadcast; orbits.is_healthy says which bits forbid use (0 never does)
     ionosphere: dict[str, np.ndarray] = field(default_factory=dict)  # "G" or "C" or "J" -> (8,) Klobuchar alpha 0-3, beta 0-3
     leap_seconds: int | None = None
     warnings: tuple[str, ...] = ()

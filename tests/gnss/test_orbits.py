@@ -118,18 +118,20 @@ def elements_of(system, is_geo, v, n=1):
 @given(SYSTEMS, ORBITS, st.floats(-21_600, 21_600))
 @settings(max_examples=200, deadline=None)
 def test_orbit_equals_a_scalar_one_written_differently(system, values, t):
+    """At 44 rad, the Earth's turn in a week, floats are 7e-15 rad apart: 0.4 um at 5e7 m, met twice."""
     position = kepler_states(elements_of(*system, values), np.array([t]))[0][0]
-    assert np.linalg.norm(position - scalar_position(*system, values, t)) < MICROMETRE
+    assert np.linalg.norm(position - scalar_position(*system, values, t)) < 2 * MICROMETRE
 
 
 @given(SYSTEMS, ORBITS, st.floats(-21_600, 21_600))
 @settings(max_examples=100, deadline=None)
 def test_velocity_and_relativity_rate_are_the_derivatives(system, values, t):
-    """Central differences over 2 s: third derivatives of r w^3 h^2 / 6 ~ 2e-5 m/s remain, and rounding."""
-    h = 1.0
-    p, v, relativity, rate = kepler_states(elements_of(*system, values, n=3), np.array([t - h, t, t + h]))
-    assert np.abs((p[2] - p[0]) / (2 * h) - v[1]).max() < 5e-5
-    assert abs((relativity[2] - relativity[0]) / (2 * h) - rate[1]) < 1e-17
+    """Central differences of fourth order over 5 s: what they leave out is below 1e-9 m/s, rounding of 1e-6 m gives 2e-7 m/s."""
+    h = 5.0
+    p, v, relativity, rate = kepler_states(elements_of(*system, values, n=5), t + h * np.arange(-2, 3))
+    difference = np.array([1, -8, 0, 8, -1]) / (12 * h)
+    assert np.abs(difference @ p - v[2]).max() < 1e-6
+    assert abs(difference @ relativity - rate[2]) < 1e-18
 
 
 @given(ORBITS, st.floats(-7200, 7200))
