@@ -6,7 +6,7 @@ RINEX 2 names only kind and band; the channel is filled in as follows (kind in f
 GPS         C1 -> 1C, P1 -> 1W, C2 -> 2X (L2C), P2 -> 2W, C5 -> 5X; 2.12: CA -> 1C, CB -> 1X, CC -> 2X
 GLONASS     C1 -> 1C, P1 -> 1P, C2 -> 2C, P2 -> 2P; 2.12: CA -> 1C, CD -> 2C
 Galileo     1X, 5X, 6X, 7X, 8X
-BeiDou      C1 or C2 -> 2I (B1I), 6I, 7I, 5X, 8X; where both 1 and 2 are listed, 2 is B1I and 1 is 1X (B1C)
+BeiDou      C2 -> 2I (B1I), 6I, 7I, 5X, 8X; C1 -> 2I where C2 is not listed, else it keeps its name: B1I or B1C?
 QZSS, SBAS  C1 -> 1C, 2X, 5X, 6X; 2.12: CA -> 1C, CB -> 1X, CC -> 2X
 NavIC       5A, 9A, 1X
 ==========  =====================================================================================================
@@ -23,7 +23,7 @@ _CHANNEL = {
     "G": {"5": "X"},
     "R": {"3": "X"},
     "E": dict.fromkeys("15678", "X"),
-    "C": {"1": "X", "2": "I", "5": "X", "6": "I", "7": "I", "8": "X"},
+    "C": {"2": "I", "5": "X", "6": "I", "7": "I", "8": "X"},
     "J": {"1": "C", "2": "X", "5": "X", "6": "X"},
     "S": {"1": "C", "5": "X"},
     "I": {"5": "A", "9": "A", "1": "X"},
@@ -58,8 +58,8 @@ def _name_of_version_2(system, kind, types, version):
         return kind
     if band in _LETTER_BANDS:
         return letter + "".join(_LETTER_BANDS[band])
-    if system == "C" and band == "1" and letter + "2" not in types:
-        band = "2"
+    if system == "C" and band == "1":
+        return kind if letter + "2" in types else f"{letter}2I"
     channel = _channel(system, letter, band, types)
     return ("C" if letter == "P" else letter) + band + channel
 

@@ -42,10 +42,10 @@ def parse_fields(words, room):
     words (k, n, 2) uint64, the characters, first one in the lowest byte; room (k, n) int, how many of the 16 columns
     the line had (the rest counts as blank).
 
-    >>> text = b"  24767686.37514-1234567890.123 "
+    >>> text = b"  24767686.37514-123456789.123  "
     >>> fields = parse_fields(np.frombuffer(text, "<u8").reshape(1, 2, 2), np.full((1, 2), 16))
     >>> fields.value.tolist(), fields.lli.tolist(), fields.ssi.tolist()
-    ([[24767686.375, -1234567890.123]], [[1, 0]], [[4, 0]])
+    ([[24767686.375, -123456789.123]], [[1, 0]], [[4, 0]])
     """
     first, second = _cut_to_room(words, room)
     value, is_standard = _standard_numbers(first, second)

@@ -86,7 +86,7 @@ class Version3(_Grammar):
         if not text.startswith(">"):
             hint = "does the epoch before announce too few satellites?"
             raise RinexError(self.lines.file, f"expected an epoch line starting with '>', found {quoted(text)}; {hint}", line + 1)
-        if text[21:22] == "." or not text[1:29].strip():
+        if (text[21:22] == "." and not text[35:36].strip()) or not text[1:29].strip():
             return _checked_head(self.lines, line, text[29:32], text[32:35])
         words = text[1:].split()
         if len(words) < 8:

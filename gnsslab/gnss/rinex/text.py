@@ -9,6 +9,7 @@ from gnsslab.gnss.rinex.errors import RinexError, quoted
 
 _GZIP, _COMPRESS, _BZIP2, _ZIP = b"\x1f\x8b", b"\x1f\x9d", b"BZh", b"PK\x03\x04"
 _COMPRESSED_NAMES = (".gz", ".z", ".bz2", ".zip")
+_DOS_END = b"\x1a"
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
@@ -101,11 +102,12 @@ def _not_empty(content, path):
 
 
 def _one_line(error):
-    return " ".join(str(error).split()) or type(error).__name__
+    words = " ".join(str(error).split()) or type(error).__name__
+    return words if len(words) <= 200 else words[:197] + "..."
 
 
 def _plain_lines(content):
-    content = content.removeprefix(_BYTE_ORDER_MARK)
+    content = content.removeprefix(_BYTE_ORDER_MARK).removesuffix(_DOS_END)
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return content

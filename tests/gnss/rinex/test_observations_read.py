@@ -111,6 +111,7 @@ def test_version_2_years(read, year, full):
         ("E", "C1 L1 C5 L5 C7 L7 C8 C6", "C1X L1X C5X L5X C7X L7X C8X C6X"),
         ("C", "C1 L1 C7 L7 C6 L6", "C2I L2I C7I L7I C6I L6I"),
         ("C", "C2 L2 C7", "C2I L2I C7I"),
+        ("C", "C1 L1 C2 L2", "C1 L1 C2I L2I"),
         ("S", "C1 L1 C5", "C1C L1C C5X"),
         ("J", "C1 L1 C2 L2 C5 L5 C6", "C1C L1C C2X L2X C5X L5X C6X"),
     ],
@@ -151,6 +152,8 @@ def test_line_ends_and_trailing_blanks_do_not_matter(read):
     assert same(read("\n".join(f"{line:<80}" for line in SMALL3.split("\n")[:-1]) + "\n"), plain)
     assert same(read("\n".join(line.rstrip() for line in SMALL3.split("\n")) + "\n \n\n"), plain)
     assert same(read(SMALL3.rstrip("\n")), plain)
+    assert read(SMALL3 + "\x1a").warnings == ()  # as DOS ended its texts
+    assert same(read(b"\xef\xbb\xbf" + SMALL3.encode()), plain)
 
 
 def test_odd_spacing_and_small_letters(read):
@@ -158,6 +161,16 @@ def test_odd_spacing_and_small_letters(read):
     odd = odd.replace("  2024     1     1     0     0    0.0000000     GPS", "  2024    01    01    00    00   00.0000000     gps")
     odd = odd.replace("SYS / # / OBS TYPES", "Sys / # / Obs Types").replace("G    4 C1C L1C", "g 4   c1c  l1c")
     assert same(read(odd), read(SMALL3))
+
+
+@pytest.mark.parametrize("head", ["> 2024 01 01 00 00  0.00000000  0  3", "> 2024 01 01 00 00  0.0000000     3", "> 2024 1 1 0 0 0 0 3"])
+def test_epoch_lines_out_of_their_columns(read, head):
+    assert same(read(SMALL3.replace("> 2024 01 01 00 00  0.0000000  0  3", head)), read(SMALL3))
+
+
+@pytest.mark.parametrize("head", [" 24 01 01 00 00 00.0000000  0  2G 5R 3", " 24  1  1  0  0  0.000      0  2G05R03"])
+def test_old_epoch_lines_out_of_the_ordinary(read, head):
+    assert same(read(SMALL2.replace(" 24  1  1  0  0  0.0000000  0  2G05R03", head)), read(SMALL2))
 
 
 def test_numbers_in_other_layouts_are_read_as_float_does(read):
