@@ -6,7 +6,7 @@ RINEX 2 names only kind and band; the channel is filled in as follows (kind in f
 GPS         C1 -> 1C, P1 -> 1W, C2 -> 2X (L2C), P2 -> 2W, C5 -> 5X; 2.12: CA -> 1C, CB -> 1X, CC -> 2X
 GLONASS     C1 -> 1C, P1 -> 1P, C2 -> 2C, P2 -> 2P; 2.12: CA -> 1C, CD -> 2C
 Galileo     1X, 5X, 6X, 7X, 8X
-BeiDou      C2 -> 2I (B1I), 6I, 7I, 5X, 8X; C1 -> 2I where C2 is not listed, else it keeps its name: B1I or B1C?
+BeiDou      C2 -> 2I (B1I), 6I, 7I, 5X, 8X; C1 -> 2I where band 2 is not listed, else it keeps its name: B1I or B1C?
 QZSS, SBAS  C1 -> 1C, 2X, 5X, 6X; 2.12: CA -> 1C, CB -> 1X, CC -> 2X
 NavIC       5A, 9A, 1X
 ==========  =====================================================================================================
@@ -59,7 +59,9 @@ def _name_of_version_2(system, kind, types, version):
     if band in _LETTER_BANDS:
         return letter + "".join(_LETTER_BANDS[band])
     if system == "C" and band == "1":
-        return kind if letter + "2" in types else f"{letter}2I"
+        if not {"C2", "P2", "L2"}.isdisjoint(types):
+            return kind
+        band = "2"
     channel = _channel(system, letter, band, types)
     return ("C" if letter == "P" else letter) + band + channel
 

@@ -112,6 +112,7 @@ def test_version_2_years(read, year, full):
         ("C", "C1 L1 C7 L7 C6 L6", "C2I L2I C7I L7I C6I L6I"),
         ("C", "C2 L2 C7", "C2I L2I C7I"),
         ("C", "C1 L1 C2 L2", "C1 L1 C2I L2I"),
+        ("C", "L1 C1 L2 P2 S1 S2", "L1 C1 L2I C2I S1 S2I"),
         ("S", "C1 L1 C5", "C1C L1C C5X"),
         ("J", "C1 L1 C2 L2 C5 L5 C6", "C1C L1C C2X L2X C5X L5X C6X"),
     ],
