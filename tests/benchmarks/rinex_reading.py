@@ -8,6 +8,8 @@ satellite: those are compared; flags where there is a phase, as RTKLIB drops the
 
 Two known faults of the peers are set apart: RTKLIB gives the channel number (X1) for the code where that is blank, and
 georinex cuts seconds of RINEX 2 to fewer digits (00:59:30.005 becomes .004), so its times are matched within 2 ms.
+The ratio asked beside georinex is one for RINEX 3: small RINEX 2 files it reads as fast as numpy reads tables, 18 ms for
+68 kB, and 0.02 of that would be a sixth of what RTKLIB's C reader takes. That line says "missed", as it is.
 """
 
 import os

@@ -199,7 +199,7 @@ class Version2(_Grammar):
 def _whole_number(file, line, text, what):
     if not (text.strip().isascii() and text.strip().isdigit()):
         raise RinexError(file, f"expected {what}, found {quoted(text.strip())}", line + 1)
-    return int(text)
+    return int(text.strip())
 
 
 def _checked_head(lines, line, flag, count):

@@ -70,6 +70,7 @@ BROKEN = {
     "more old satellites than lines": (replaced("  0  2G05R03", "  0  3G05R03", SMALL2), 4, "expected more lines in this epoch"),
     "fewer old satellites than lines": (replaced("  0  2G05R03", "  0  1G05", SMALL2), 7, "expected an epoch line"),
     "letters for the number of satellites": (replaced("  0  3\n", "  0  x\n"), 6, "expected the number of satellites, found 'x'"),
+    "unprintable character in the number of satellites": (replaced("  0  3\n", "  0\x1e x\n"), 6, "expected the number of satellites"),
     "unknown epoch flag": (replaced("  0  3\n", "  7  3\n"), 6, "expected an epoch flag from 0 to 6, found 7"),
     "letter for an epoch flag": (replaced("  0  3\n", "  a  3\n"), 6, "expected an epoch flag from 0 to 6, found 'a'"),
     "no such month": (replaced("> 2024 01 01", "> 2024 13 01"), 6, "expected year month day hour minute second"),
@@ -150,7 +151,7 @@ EVENTS3 = text_of(
     header_line("G    1 L1C", "SYS / # / OBS TYPES"), epoch3(1, 2), "G05  20000000.123 7", "C05  20000000.123 7",
     epoch3(2, 1, flag=6), "G05         1.000", epoch3(2, 0, flag=5), epoch3(3, 1), "C05  20000000.123 7",
 )  # fmt: skip
-PIECES = [b"\n", b" ", b"> ", b"-", b".", b"\x00", b"\xff", b"999", b"G", b"\r\n", b"END OF HEADER", b"1e9", b"nan", b"\xb2"]
+PIECES = [b"\n", b" ", b"> ", b"-", b".", b"\x00", b"\xff", b"999", b"G", b"\r\n", b"END OF HEADER", b"1e9", b"nan", b"\xb2", b"\x1e"]
 
 
 @st.composite
