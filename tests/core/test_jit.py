@@ -20,8 +20,9 @@ for n in (1, 2, 5, 9):
     A = rng.standard_normal((n, n))
     Q, a = A @ A.T + 0.01 * np.eye(n), rng.uniform(-1e6, 1e6, (3, n))
     s, D = integers.integer_least_squares(a, Q, n_best=3), integers.decorrelate(Q)
-    one = integers.integer_least_squares_kernel(jit.kernel_input(a[0]), jit.kernel_input(Q), 2, 1000)
-    assert np.array_equal(np.asarray(one[0]), s.candidates[0, :2]) and one[3] == 0
+    Z, L, d, status = integers.decorrelate_kernel(jit.kernel_input(Q))
+    z, norms, nodes = integers.search_kernel(jit.kernel_input((a[0] - np.rint(a[0])) @ np.asarray(Z)), L, d, 3, 1000)
+    assert status == integers.GOOD and np.allclose(norms, s.norms[0], rtol=1e-9), "the parts, called as another kernel does"
     out["answers"].append([s.candidates.tolist(), s.norms.tolist(), s.nodes.tolist(), D.Z.tolist(), D.L.tolist(), D.d.tolist()])
 print(json.dumps(out))
 """

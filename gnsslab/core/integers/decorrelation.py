@@ -90,11 +90,12 @@ def raise_status(status, index):
 def decorrelate_kernel(Q):
     """Decorrelate one Q (n, n): returns Z (n, n), L (n, n), d (n) and a status, GOOD where the three are to be used."""
     n = len(Q)
-    M, W, d = matrix(n, 2 * n), matrix(n, n), matrix(1, n)[0]
+    M, W, d, Z, L = matrix(n, 2 * n), matrix(n, n), matrix(1, n)[0], matrix(n, n), matrix(n, n)
     for i in range(n):
         M[i][n + i] = 1.0
-    status = decorrelate_in_place(Q, M, W, d, 0.5)
-    Z, L = matrix(n, n), matrix(n, n)
+    status = factor(Q, M, W, d)
+    if status == GOOD:
+        status = reduce(M, W, d, 0.5)
     for i in range(n):
         L[i][i] = 1.0
         for j in range(n):
@@ -107,46 +108,14 @@ def decorrelate_kernel(Q):
 
 
 @kernel
-def decorrelate_in_place(Q, M, W, d, longest):
-    """Decorrelate: M = (U, T) (n, n + w) gets U = L' and Z' T, W (n, n) gets Z^-1; returns a status.
-
-    T carries along whatever is to be decorrelated: float ambiguities as columns, or the identity to become Z'. W
-    brings integers back: a_k = sum over i of z_i W_ik. Entries of U up to `longest` are left as they are: 1/2 is full
-    decorrelation; the search, which needs the subdiagonal only, asks no more than that rounding errors stay small.
-    """
-    status = factor(Q, M, W, d)
-    if status != GOOD:
-        return status
-    permute(M, W, d)
-    n = len(d)
-    for j in range(n - 1, -1, -1):
-        shorten(M, W, j, longest)
-    for i in range(n):
-        for k in range(n):
-            if abs(W[i][k]) > _EXACT:
-                return TOO_LARGE
-    return GOOD
-
-
-@kernel
 def factor(Q, M, W, d):
-    """Write the factors U, d of Q, the smallest conditional variance last, and the permutation W; returns a status.
+    """Factor P' Q P = U diag(d) U', the smallest conditional variance last; U, P' T to M = (U, T), P' to W; returns a status.
 
     From the last row up: d_j = A_jj, U_ij = A_ij / d_j, A_ik <- A_ik - U_ij A_jk. Before each step the variable that is
     known best, given those already taken, changes places with j.
     """
     n = len(d)
-    status = GOOD
-    for i in range(n):
-        d[i] = Q[i][i]
-        for j in range(n):
-            M[i][j] = 0.5 * (Q[i][j] + Q[j][i])
-            W[i][j] = 1.0 if i == j else 0.0
-            difference = Q[i][j] - Q[j][i]
-            if not abs(M[i][j]) < math.inf:
-                return NOT_FINITE
-            if difference * difference > _ASYMMETRY * _ASYMMETRY * abs(Q[i][i] * Q[j][j]):
-                return NOT_SYMMETRIC
+    status = start(Q, M, W, d)
     for j in range(n - 1, -1, -1):
         best = j
         for i in range(j):
@@ -158,11 +127,12 @@ def factor(Q, M, W, d):
             d[best], d[j] = d[j], d[best]
             exchange_rows(M, best, j, 0)
             exchange_rows(W, best, j, 0)
-        M_j, variance = M[j], d[j]
-        d[j] = M_j[j]
-        if not d[j] > n * _ROUNDING * variance:
-            return NOT_POSITIVE
-        weight = 1.0 / d[j]
+        variance, d[j] = d[j], M[j][j]
+        if status == GOOD and not d[j] > n * _ROUNDING * variance:
+            status = NOT_POSITIVE
+        if status != GOOD:
+            return status
+        M_j, weight = M[j], 1.0 / d[j]
         for i in range(j):
             M_i = M[i]
             u = M_i[j] = M_i[j] * weight
@@ -172,11 +142,31 @@ def factor(Q, M, W, d):
 
 
 @kernel
-def permute(M, W, d):
-    """Exchange neighbours, after a Gauss step, while that makes a later conditional variance smaller.
+def start(Q, M, W, d):
+    """Write (Q + Q') / 2 to M, the variances to d and the identity to W; returns a status."""
+    n = len(d)
+    for i in range(n):
+        d[i] = Q[i][i]
+        for j in range(n):
+            W[i][j] = 1.0 if i == j else 0.0
+            M[i][j] = 0.5 * (Q[i][j] + Q[j][i])
+            if not abs(M[i][j]) < math.inf:
+                return NOT_FINITE
+            if (Q[i][j] - Q[j][i]) ** 2 > _ASYMMETRY**2 * abs(Q[i][i] * Q[j][j]):
+                return NOT_SYMMETRIC
+    return GOOD
 
-    With u = U_j,j+1 the variance of z_j given z_j+2 ... is d_j + u^2 d_j+1: less than d_j+1, z_j should come later. Then
+
+@kernel
+def reduce(M, W, d, longest):
+    """Reduce factors: M = (U, T) (n, n + w) becomes (U, Z' T), W (n, n) becomes Z^-1 W; returns a status.
+
+    Neighbours are exchanged, after a Gauss step, while that makes the later conditional variance smaller. With
+    u = U_j,j+1 the variance of z_j given z_j+2 ... is d_j + u^2 d_j+1: less than d_j+1, z_j should come later. Then
     d_j+1' = d_j + u^2 d_j+1, d_j' = d_j d_j+1 / d_j+1', u' = u d_j+1 / d_j+1'.
+    T carries along whatever is to be decorrelated: float ambiguities as columns, or the identity to become Z'. W
+    brings integers back: a_k = sum over i of z_i W_ik. Entries of U up to `longest` are left as they are: 1/2 is full
+    decorrelation; the search, which needs the subdiagonal only, asks no more than that rounding errors stay small.
     """
     n = len(d)
     j = n - 2
@@ -189,7 +179,7 @@ def permute(M, W, d):
             continue
         if mu != 0:
             gauss(M, W, j, j + 1, mu)
-        if abs(mu) > 1:
+        if abs(mu) > 1:  # a large step makes the row long: shorten the rest of it as well
             shorten(M, W, j, 0.5)
         rest, u_new = d[j] / later, u * d[j + 1] / later
         for i in range(j):
@@ -201,22 +191,21 @@ def permute(M, W, d):
         exchange_rows(W, j, j + 1, 0)
         M[j][j + 1] = u_new
         j = min(j + 1, n - 2)
+    for j in range(n - 2, -1, -1):
+        shorten(M, W, j, longest)
+    for i in range(n):
+        for k in range(n):
+            if abs(W[i][k]) > _EXACT:
+                return TOO_LARGE
+    return GOOD
 
 
 @kernel
 def shorten(M, W, j, longest):
-    """Make the entries of row j of U that are above `longest` at most 1/2, by Gauss steps."""
-    for i in range(j + 1, len(M)):
+    """Take the nearest integer off U_ji for all i > j where |U_ji| > longest."""
+    for i in range(j + 1, len(W)):
         if abs(M[j][i]) > longest:
             gauss(M, W, j, i, math.floor(M[j][i] + 0.5))
-
-
-@kernel
-def exchange_rows(A, i, j, start):
-    """Let the rows i and j of A change places, from column `start` on."""
-    A_i, A_j = A[i], A[j]
-    for k in range(start, len(A_i)):
-        A_i[k], A_j[k] = A_j[k], A_i[k]
 
 
 @kernel
@@ -228,3 +217,11 @@ def gauss(M, W, j, i, mu):
         M_j[k] -= mu * M_i[k]
     for k in range(len(W_j)):
         W_i[k] += mu * W_j[k]
+
+
+@kernel
+def exchange_rows(A, i, j, start):
+    """Let the rows i and j of A change places, from column `start` on."""
+    A_i, A_j = A[i], A[j]
+    for k in range(start, len(A_i)):
+        A_i[k], A_j[k] = A_j[k], A_i[k]

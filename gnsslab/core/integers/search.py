@@ -18,28 +18,32 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, decorrelate_in_place, raise_status
-from gnsslab.core.jit import kernel, kernel_input, matrix
+from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, factor, raise_status, reduce
+from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix
 
 NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
 
 _NOT_A_FLOAT, _HAS_NO_FRACTION = -1, -2
-_LONGEST = 64.0
+_LONGEST = 64.0  # the search needs the subdiagonal of L only; the rest is kept this small against rounding: 64 * 2^-52
 _NO_FRACTION = 2.0**51  # float64 of this size and more come in steps of a half or an integer
 
 
 class IntegerSolution(NamedTuple):
     """The nearest integer vectors, best first.
 
-    candidates (..., n_best, n) int64 [cycles]; norms (..., n_best) squared distances in the metric of Q; nodes (...)
-    branches tried; complete (...) False where the node limit ended the search: the candidates are then the best seen,
-    not proved best, and norms are infinite where there are fewer than n_best.
+    candidates (..., n_best, n) int64 [cycles]; norms (..., n_best) squared distances in the metric of Q, infinite where
+    a search cut short has seen fewer than n_best; nodes (...) branches tried, of node_limit at most.
     """
 
     candidates: np.ndarray
     norms: np.ndarray
     nodes: np.ndarray
-    complete: np.ndarray
+    node_limit: int
+
+    @property
+    def complete(self):
+        """True (...) where the candidates are proved best; False where the node limit came first: best of those seen."""
+        return self.nodes < self.node_limit
 
     @property
     def best(self):
@@ -56,7 +60,7 @@ class IntegerSolution(NamedTuple):
         return f"IntegerSolution: {self.norms[..., 0].size} vectors of {self.candidates.shape[-1]} ambiguities, {self._completeness()}"
 
     def _completeness(self):
-        missed = int(np.sum(~np.asarray(self.complete)))
+        missed = int(np.sum(self.nodes >= self.node_limit))
         return f"{missed} ended by the node limit, not proved best" if missed else "all searched completely"
 
 
@@ -107,14 +111,15 @@ def _grouped(a_hat, Q):
 
 def _as_record(candidates, norms, nodes, shape, node_limit):
     stack, n_best, n = shape
-    candidates = np.asarray(candidates).astype(np.int64).reshape(*stack, n_best, n)
-    nodes = np.asarray(nodes).astype(np.int64).reshape(stack)
-    return IntegerSolution(candidates, np.asarray(norms).reshape(*stack, n_best), nodes, nodes < node_limit)
+    candidates = np.asarray(candidates, dtype=np.int64).reshape(*stack, n_best, n)
+    norms, nodes = np.asarray(norms).reshape(*stack, n_best), np.asarray(nodes, dtype=np.int64).reshape(stack)
+    return IntegerSolution(candidates, norms, nodes, node_limit)
 
 
 def _raise(status, problem, stack_Q, stack):
     if status > GOOD:
-        raise_status(status, np.unravel_index(problem, stack) if stack_Q else ())
+        index = np.unravel_index(problem, stack)[len(stack) - len(stack_Q) :] if stack_Q else ()
+        raise_status(status, [min(k, size - 1) for k, size in zip(index, stack_Q, strict=True)])
     what = {
         _NOT_A_FLOAT: "contains NaN or infinity: leave out the ambiguities that were not estimated",
         _HAS_NO_FRACTION: "is 2^51 cycles or more, where float64 has no fractions left: subtract an approximate integer first",
@@ -123,100 +128,90 @@ def _raise(status, problem, stack_Q, stack):
 
 
 @kernel
-def integer_least_squares_kernel(a_hat, Q, n_best, node_limit):
-    """Fix one float vector a_hat (n,) with Q (n, n), from within another kernel.
-
-    Returns candidates (n_best, n) integers as float64, norms (n_best,), nodes (the search was complete where below
-    node_limit), and a status: the rest is to be used where it is 0 (GOOD).
-    """
-    n = len(Q)
-    a, candidates, norms, nodes = matrix(1, n), matrix(n_best, n), matrix(1, n_best), matrix(1, 1)
-    for k in range(n):
-        a[0][k] = a_hat[k]
-    status = fix_group(a, Q, 0, candidates, norms, nodes, node_limit, matrix(n, n + 1), matrix(n, n), matrix(n, n + 1), matrix(7, n))
-    return candidates, norms[0], int(nodes[0][0]), status
-
-
-@kernel
 def fix_groups(a, Q, n_best, node_limit):
-    """Fix a (groups, m, n), the m vectors of a group sharing one of Q (groups, n, n).
+    """Fix a (groups, m, n), the m vectors of a group sharing one of Q (groups, n, n), decorrelated once.
 
     Returns candidates (groups m n_best, n), norms (groups m, n_best), nodes (groups m, 1), status and, where that is
     not GOOD, the group it happened in.
     """
-    groups, n = len(Q), len(Q[0])
-    m = len(a[0]) if groups > 0 else 0
+    groups = len(Q)
+    n, m = (len(Q[0]), len(a[0])) if groups > 0 else (0, 0)
     rows = groups * m
-    candidates, norms, nodes = matrix(rows * n_best, n), matrix(rows, n_best), matrix(rows, 1)
+    candidates, norms, nodes = integer_matrix(rows * n_best, n), matrix(rows, n_best), integer_matrix(rows, 1)
     M, W, S, levels = matrix(n, n + m), matrix(n, n), matrix(n, n + 1), matrix(7, n)
-    status, group = GOOD, 0
-    while status == GOOD and group < groups:
-        status = fix_group(a[group], Q[group], group * m, candidates, norms, nodes, node_limit, M, W, S, levels)
-        group += 1
-    return candidates, norms, nodes, status, group - 1
+    d, z, c, e, step, above, stale = levels[0], levels[1], levels[2], levels[3], levels[4], levels[5], levels[6]
+    for group in range(groups):
+        status = split(a[group], M)
+        if status == GOOD:
+            status = factor(Q[group], M, W, d)
+        if status == GOOD:
+            status = reduce(M, W, d, _LONGEST)
+        if status != GOOD:
+            return candidates, norms, nodes, status, group
+        for v in range(m):
+            row = group * m + v
+            for k in range(n):
+                S[k][n] = M[k][n + v]
+            nodes[row][0] = search_in_place(M, S, d, z, c, e, step, above, stale, candidates, row * n_best, norms, row, node_limit)
+            for b in range(row * n_best, row * n_best + n_best):
+                restore(candidates, b, a[group], v, W, z)
+    return candidates, norms, nodes, GOOD, groups
 
 
 @kernel
-def fix_group(a, Q, first, candidates, norms, nodes, node_limit, M, W, S, levels):
-    """Decorrelate Q once and search for each row of a (m, n); results go to the rows from `first` on.
+def split(a, M):
+    """Write the fractions of a (m, n), at most half a cycle, to the last columns of M (n, n + m); returns a status.
 
-    Only the fractions of a are decorrelated; the integer parts are added at the end, exactly: 1e8 cycles times the
-    entries of Z would cost digits.
+    The integer parts are added at the end, exactly: 1e8 cycles times the entries of Z would cost digits.
     """
-    n, n_best = len(Q), len(norms[0])
     for v in range(len(a)):
+        a_v, n = a[v], len(M)
         for k in range(n):
-            if not abs(a[v][k]) < _NO_FRACTION:
-                return _HAS_NO_FRACTION if abs(a[v][k]) < math.inf else _NOT_A_FLOAT
-            M[k][n + v] = a[v][k] - math.floor(a[v][k] + 0.5)
-    status = decorrelate_in_place(Q, M, W, levels[0], _LONGEST)
-    if status != GOOD:
-        return status
-    for v in range(len(a)):
-        row, a_v = first + v, a[v]
-        for k in range(n):
-            S[k][n] = M[k][n + v]
-        nodes[row][0] = search_in_place(M, S, candidates, row * n_best, norms[row], node_limit, levels)
-        for b in range(row * n_best, row * n_best + n_best):
-            z, candidate = levels[1], candidates[b]
-            for k in range(n):
-                z[k] = candidate[k]
-                candidate[k] = math.floor(a_v[k] + 0.5)
-            for i in range(n):
-                W_i, z_i = W[i], z[i]
-                for k in range(n):
-                    candidate[k] += z_i * W_i[k]
+            if not abs(a_v[k]) < _NO_FRACTION:
+                return _HAS_NO_FRACTION if abs(a_v[k]) < math.inf else _NOT_A_FLOAT
+            M[k][n + v] = a_v[k] - math.floor(a_v[k] + 0.5)
     return GOOD
+
+
+@kernel
+def restore(candidates, b, a, v, W, z):
+    """Replace candidate b, a vector z, by W' z plus the integer part of a_v; the argument z is scratch."""
+    candidate, a_v, n = candidates[b], a[v], len(W)
+    for k in range(n):
+        z[k] = candidate[k]
+        candidate[k] = math.floor(a_v[k] + 0.5)
+    for i in range(n):
+        for k in range(n):
+            candidate[k] += z[i] * W[i][k]
 
 
 @kernel
 def search_kernel(z_hat, L, d, n_best, node_limit):
     """Search the n_best integer vectors nearest to z_hat (n,) in the metric of L' diag(d) L, from another kernel.
 
-    Returns candidates (n_best, n) integers as float64, best first, norms (n_best,), nodes (complete where below
-    node_limit).
+    Returns candidates (n_best, n) integers, best first, norms (n_best,), nodes (complete where below node_limit).
     """
     n = len(d)
-    candidates, norms = matrix(n_best, n), matrix(1, n_best)[0]
-    U, S, levels = matrix(n, n), matrix(n, n + 1), matrix(7, n)
+    candidates, norms = integer_matrix(n_best, n), matrix(1, n_best)
+    U, S, levels = matrix(n, n), matrix(n, n + 1), matrix(6, n)
+    z, c, e, step, above, stale = levels[0], levels[1], levels[2], levels[3], levels[4], levels[5]
     for i in range(n):
         S[i][n] = z_hat[i]
-        levels[0][i] = d[i]
         for j in range(i):
             U[j][i] = L[i][j]
-    nodes = search_in_place(U, S, candidates, 0, norms, node_limit, levels)
-    return candidates, norms, nodes
+    nodes = search_in_place(U, S, d, z, c, e, step, above, stale, candidates, 0, norms, 0, node_limit)
+    return candidates, norms[0], nodes
 
 
 @kernel
-def search_in_place(U, S, candidates, first, norms, node_limit, levels):
-    """Search the tree; writes candidates from row `first` on, and norms; returns the nodes visited.
+def search_in_place(U, S, d, z, c, e, step, above, stale, candidates, first, all_norms, row, node_limit):
+    """Search the tree; writes candidates from row `first` on, and their norms to a row; returns the nodes visited.
 
-    U = L' (n, n), d in levels[0], z_hat in the last column of S (n, n + 1), whose column i holds z_hat_k plus the sum
-    from i on: a level looked at again adds only the terms that changed, those up to stale_k.
+    Given U = L' (n, n), d, and z_hat in the last column of S (n, n + 1), whose column i holds z_hat_k plus the sum from
+    i on: a level looked at again adds only the terms that changed, those up to stale_k. The other vectors (n,) are
+    scratch: at each level the integer z, its float value c, e = z - c, the step to the next integer, the sum above.
     """
-    n, last = len(S), len(norms) - 1
-    d, z, c, e, step, above, stale = levels[0], levels[1], levels[2], levels[3], levels[4], levels[5], levels[6]
+    norms, n, last = all_norms[row], len(S), len(all_norms[row]) - 1
     for k in range(n):
         stale[k] = n - 1
     for b in range(last + 1):
@@ -227,13 +222,13 @@ def search_in_place(U, S, candidates, first, norms, node_limit, levels):
         if down:
             k -= 1
             above[k] = norm
-            oldest, S_k, U_k = int(stale[k]), S[k], U[k]
+            oldest = int(stale[k])
             for i in range(oldest, k, -1):
-                S_k[i] = S_k[i + 1] + e[i] * U_k[i]
+                S[k][i] = S[k][i + 1] + e[i] * U[k][i]
             if k > 0 and stale[k - 1] < oldest:
                 stale[k - 1] = oldest
             stale[k] = k + 1
-            c[k] = S_k[k + 1]
+            c[k] = S[k][k + 1]
             z[k] = math.floor(c[k] + 0.5)
             step[k] = 1.0 if c[k] > z[k] else -1.0
         else:
@@ -241,11 +236,11 @@ def search_in_place(U, S, candidates, first, norms, node_limit, levels):
             step[k] = -step[k] - math.copysign(1.0, step[k])
         e[k] = z[k] - c[k]
         norm = above[k] + e[k] * e[k] / d[k]
-        within = norm < norms[last]
-        down = within and k > 0
-        if within and k == 0:
+        down = norm < norms[last]
+        if down and k == 0:
             insert(candidates, first, norms, z, norm)
-        elif not within:
+            down = False
+        elif not down:
             k += 1
             if k == n:
                 break
