@@ -3,7 +3,7 @@
 import socket
 import threading
 import webbrowser
-from contextlib import chdir
+from contextlib import asynccontextmanager, chdir
 from html import escape
 from pathlib import Path
 from string import Template
@@ -14,6 +14,7 @@ from gnsslab.teaching.catalogue import LESSONS
 
 PORTS_TRIED = 50  # a taken port means the next free one, up to this many further on
 LAST_PORT = 65_535
+BROWSER_AFTER = 1.0  # [s], by then the server answers
 SHUTDOWN_SECONDS = 2  # open lessons are given this long when the server is stopped
 
 
@@ -26,17 +27,19 @@ def serve(host="127.0.0.1", port=8000, open_browser=True, say=print):
 
     listener = free_socket(host, port)
     taken = listener.getsockname()[1]
-    if taken != port:
-        say(f"port {port} is taken; using {taken}")
-    address = f"http://{_shown(host)}:{taken}/"
-    say(f"the course is at {address} (stop it with Ctrl-C)")
-    config = uvicorn.Config(course_app(), log_level="warning", timeout_graceful_shutdown=SHUTDOWN_SECONDS)
-    if open_browser:
-        threading.Timer(1.0, webbrowser.open, (address,)).start()
     try:
+        config = uvicorn.Config(course_app(), log_level="warning", timeout_graceful_shutdown=SHUTDOWN_SECONDS)
+        if taken != port:
+            say(f"port {port} is taken; using {taken}")
+        address = f"http://{_shown(host)}:{taken}/"
+        say(f"the course is at {address} (stop it with Ctrl-C)")
+        if open_browser:
+            threading.Timer(BROWSER_AFTER, webbrowser.open, (address,)).start()
         uvicorn.Server(config).run(sockets=[listener])
     except KeyboardInterrupt:  # uvicorn hands Ctrl-C on once it has closed everything
         say("stopped")
+    finally:
+        listener.close()
 
 
 def course_app():
@@ -58,7 +61,18 @@ def course_app():
         return RedirectResponse(request.url.path + "/")
 
     slashless = [Route(lesson.address.rstrip("/"), with_slash) for lesson in LESSONS]
-    return Starlette(routes=[Route("/", home), *slashless, Mount("/", lessons.build())])
+    apps = lessons.build()
+    return Starlette(routes=[Route("/", home), *slashless, Mount("/", apps)], lifespan=lambda _: _sessions_end_with(apps))
+
+
+@asynccontextmanager
+async def _sessions_end_with(apps):
+    """End every open lesson when the server stops: mounted apps are not told of it, and their threads would keep the process alive."""
+    yield
+    for route in apps.routes:
+        manager = getattr(getattr(getattr(route, "app", None), "state", None), "session_manager", None)
+        if manager is not None:
+            await manager.shutdown()
 
 
 def home_page():

@@ -31,8 +31,11 @@ def course(tmp_path_factory):
         yield _address(lines)
     finally:
         process.send_signal(signal.SIGINT)
-        process.wait(20)
-        process.stdout.close()
+        try:
+            process.wait(20)
+        finally:
+            process.kill()
+            process.stdout.close()
 
 
 def _lines_of(process):

@@ -7,7 +7,7 @@ import pytest
 
 SLIDERS = ("Elevation mask", "Baseline length", "Carrier noise", "Code noise", "Seed")
 MOVES = 8
-PATIENCE = 30_000  # [ms], the first load imports matplotlib and compiles kernels
+PATIENCE = 15_000  # [ms], the first load imports matplotlib and compiles kernels
 
 
 @pytest.fixture

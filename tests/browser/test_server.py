@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import urlopen
@@ -33,16 +32,24 @@ def test_unknown_address_is_not_found(course):
         _get(course + "nothing").close()
 
 
-def test_ctrl_c_ends_cleanly():
-    process = subprocess.Popen(
+def test_ctrl_c_ends_cleanly_with_a_lesson_open(chromium):
+    with subprocess.Popen(
         [sys.executable, "-u", "-m", "gnsslab", "course", "--no-browser", "--port", "24780"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env=os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[2])},
-    )  # fmt: skip
-    with process:
-        process.stdout.readline()
-        time.sleep(2)
+    ) as process:  # fmt: skip
+        address = process.stdout.readline().split("the course is at ")[1].split()[0]
+        context = chromium.new_context()
+        page = context.new_page()
+        page.goto(f"{address}lesson/00/")
+        page.get_by_role("radio").first.wait_for(timeout=30_000)
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=20)
+        try:
+            out, err = process.communicate(timeout=20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
+        context.close()
     assert process.returncode == 0
+    assert "stopped" in out
     assert "Traceback" not in out + err
