@@ -1,7 +1,8 @@
 """Integer least squares timed beside RTKLIB's C `lambda()`: run `python tests/benchmarks/integers.py [rounds]`.
 
 Needs Debian's librtklib1 (libRTKLib.so.1); with cssrlib installed, its `mlambda` is timed too. Every ratio is of medians
-over interleaved rounds in one process, and counts only after all candidates were found equal and all norms close. The
+over interleaved rounds in one process, and counts only after all candidates were found equal and all norms close. For
+"many" and "one Q" C's time is without ctypes' call overhead; for "single", one Python call a problem, with it. The
 problems are double-difference covariances of simulated skies (code 0.3 m, phase 3 mm at the zenith, one epoch to ten)
 and random ones, half and half. GNSSLAB_NO_NUMBA=1 times the kernels uncompiled.
 """
@@ -90,6 +91,20 @@ def one_by_one(a, Q):
         integer_least_squares(a_k, Q_k)
 
 
+def compare_cssrlib(n, count, rounds, rng):
+    """Time one call a problem beside cssrlib's mlambda, Python over numpy arrays, on the same problems."""
+    try:
+        from cssrlib.mlambda import mlambda
+    except ImportError:
+        return print("cssrlib is not installed: not compared")
+    a, Q = problems(n, count, rng)
+    ours, theirs = [], []
+    for _ in range(rounds):
+        theirs.append(seconds(lambda: [mlambda(a_k.copy(), Q_k.copy()) for a_k, Q_k in zip(a, Q, strict=True)]))
+        ours.append(seconds(one_by_one, a, Q))
+    print(f"cssrlib  n = {n:2d}: {statistics.median(theirs) / statistics.median(ours):6.1f} times ours")
+
+
 def report(kind, n, ours, theirs, count):
     ratio, asked = statistics.median(ours) / statistics.median(theirs), ASKED[kind].get(n)
     c_us, our_us = (1e6 * statistics.median(times) / count for times in (theirs, ours))
@@ -104,14 +119,15 @@ def compare(n, count, rounds, rng, c_lambda):
     solution = integer_least_squares(a, Q)
     assert np.array_equal(solution.candidates, np.rint(F[solved]))  # solved for by LU: integers but for rounding
     assert np.allclose(solution.norms, s[solved], rtol=1e-6)
-    many, single, theirs = [], [], []
+    many, single, theirs, theirs_called = [], [], [], []
     for _ in range(rounds):
-        theirs.append(solve_rtklib(c_lambda, a, Q)[0] - call_overhead(c_lambda, a, Q))
+        theirs_called.append(solve_rtklib(c_lambda, a, Q)[0])
+        theirs.append(theirs_called[-1] - call_overhead(c_lambda, a, Q))
         many.append(seconds(integer_least_squares, a, Q))
         single.append(seconds(one_by_one, a, Q))
     report("many", n, many, theirs, len(a))
     if n in ASKED["single"]:
-        report("single", n, single, theirs, len(a))
+        report("single", n, single, theirs_called, len(a))
 
 
 def compare_one_covariance(n, count, rounds, rng, c_lambda):
@@ -138,6 +154,8 @@ def main(rounds=15):
         compare(n, count // scale, rounds, rng, c_lambda)
     for n, count in ((10, 1000), (20, 400)):
         compare_one_covariance(n, count // scale, rounds, rng, c_lambda)
+    for n, count in ((5, 100), (10, 40)):
+        compare_cssrlib(n, count, min(rounds, 5), rng)
 
 
 if __name__ == "__main__":

@@ -110,10 +110,11 @@ def _grouped(a_hat, Q):
 
 
 def _as_record(candidates, norms, nodes, shape, node_limit):
+    candidates, norms, nodes = np.asarray(candidates, dtype=np.int64), np.asarray(norms), np.asarray(nodes, dtype=np.int64)
     stack, n_best, n = shape
-    candidates = np.asarray(candidates, dtype=np.int64).reshape(*stack, n_best, n)
-    norms, nodes = np.asarray(norms).reshape(*stack, n_best), np.asarray(nodes, dtype=np.int64).reshape(stack)
-    return IntegerSolution(candidates, norms, nodes, node_limit)
+    if not stack:
+        return IntegerSolution(candidates, norms[0], nodes[0, 0], node_limit)
+    return IntegerSolution(candidates.reshape(*stack, n_best, n), norms.reshape(*stack, n_best), nodes.reshape(stack), node_limit)
 
 
 def _raise(status, problem, stack_Q, stack):
