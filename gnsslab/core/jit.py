@@ -50,6 +50,11 @@ if COMPILED:
         return np.zeros((rows, columns))
 
     @kernel
+    def cube(layers, rows, columns):
+        """Allocate layers x rows x columns zeros, indexed as A[i][j][k]."""
+        return np.zeros((layers, rows, columns))
+
+    @kernel
     def integer_matrix(rows, columns):
         """Allocate rows x columns integer zeros, indexed as A[i][j]."""
         return np.zeros((rows, columns), dtype=np.int64)
@@ -71,6 +76,10 @@ else:
     def matrix(rows, columns):
         """Allocate rows x columns zeros, indexed as A[i][j]."""
         return [[0.0] * columns for _ in range(rows)]
+
+    def cube(layers, rows, columns):
+        """Allocate layers x rows x columns zeros, indexed as A[i][j][k]."""
+        return [matrix(rows, columns) for _ in range(layers)]
 
     def integer_matrix(rows, columns):
         """Allocate rows x columns integer zeros, indexed as A[i][j]."""

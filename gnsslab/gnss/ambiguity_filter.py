@@ -2,7 +2,8 @@
 
 Its state is x = [baseline (3), velocity (3, or none), ambiguities of all channels in cycles]. Measurements enter as double
 differences of code and carrier; integers are sought for the double-difference ambiguities, so a change of reference channel
-changes only which channels are paired and costs nothing. One source for compiled and plain Python (core.jit).
+changes only which channels are paired and costs nothing. With its integers known a carrier is a range of millimetres: the
+fixed baseline is solved from the carriers of its epoch alone. One source for compiled and plain Python (core.jit).
 """
 
 import math
@@ -10,18 +11,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers import decorrelate_kernel, search_kernel
-from gnsslab.core.integers.decorrelation import GOOD
-from gnsslab.core.jit import kernel, kernel_indices, kernel_input, matrix, vector
+from gnsslab.core.integers import GOOD, fix_groups
+from gnsslab.core.jit import cube, kernel, kernel_indices, kernel_input, matrix, vector
 from gnsslab.core.kalman import add_multiple, factor_cholesky, is_consistent, predict, solve_lower, update, worst_outlier
 
 SIGMA_NEW_AMBIGUITY = 100.0  # [m], of an ambiguity just opened at carrier minus code: above any multipath of the code
 OUTLIER_SIGMAS = 4.5  # an innocent measurement is set aside once in 150 000 times
+_SINGULAR = 1e-12  # share of the normal matrix left for the last unknown, below which there is none
 _EXCLUDED = 1e6  # factor on the variance of a measurement set aside: it no longer matters
 _NODE_LIMIT = 100_000  # of the integer search; a good epoch needs 10 to 1000
 
 # Inside the kernels an epoch is a table with a row a channel and these columns: few arguments compile fast.
-_CODE, _PHASE, _SIGMA_CODE, _SIGMA_PHASE, _SLIP, _WAVELENGTH, _COLUMNS = 3, 4, 5, 6, 7, 8, 9  # 0 to 2: design
+_CODE, _PHASE, _SIGMA_CODE, _SIGMA_PHASE, _NOVELTY, _SLIP, _WAVELENGTH, _COLUMNS = 3, 4, 5, 6, 7, 8, 9, 10  # 0 to 2: design
 # The filter's results are a row an epoch.
 _FLOAT, _FIXED, _RATIO, _RESTARTED, _MISFIT, _FREEDOM, _RESULTS = 0, 12, 24, 25, 26, 27, 28
 
@@ -38,6 +39,7 @@ class Block(NamedTuple):
     phase: np.ndarray  # (T, k) [m], the same of the carrier; wavelength times ambiguity is left in it
     sigma_code: np.ndarray  # (T, k) [m], of the single difference
     sigma_phase: np.ndarray  # (T, k) [m]
+    novelty: np.ndarray  # (T, k) 0 to 1, share of a measurement's information that earlier ones have not given yet
     slip: np.ndarray  # (T, k) 1 where the ambiguity starts anew, else 0
     drift: np.ndarray  # (T,) [m^2], variance that every ambiguity gains since the epoch before
     wavelength: np.ndarray  # (k,) [m]
@@ -50,7 +52,7 @@ class Outcome(NamedTuple):
 
     baseline_float: np.ndarray  # (T, 3) [m]
     Q_float: np.ndarray  # (T, 3, 3) [m^2]
-    baseline_fixed: np.ndarray  # (T, 3) [m], conditioned on the best integers
+    baseline_fixed: np.ndarray  # (T, 3) [m], from the epoch's carriers with the best integers
     Q_fixed: np.ndarray  # (T, 3, 3) [m^2]
     ratio: np.ndarray  # (T,) second best over best squared norm, 0 where nothing could be searched
     restarted: np.ndarray  # (T,) int, how many ambiguities the filter itself found to have slipped
@@ -65,11 +67,12 @@ def filter_block(x, P, block):
     """
     T, k = block.code.shape
     table = np.empty((T, k, _COLUMNS))
+    measured = (block.code, block.phase, block.sigma_code, block.sigma_phase, block.novelty, block.slip, block.wavelength)
     table[:, :, :3] = block.design
-    for column, values in enumerate((block.code, block.phase, block.sigma_code, block.sigma_phase, block.slip, block.wavelength), 3):
+    for column, values in enumerate(measured, 3):
         table[:, :, column] = values
     pairs = kernel_indices(np.column_stack([block.channel, block.reference]))
-    x, P = kernel_input(x), kernel_input(P)
+    x, P = kernel_input(np.array(x)), kernel_input(np.array(P))  # copies: the kernel works in place
     motion = (kernel_input(values) for values in (block.F, block.Q, block.offset, block.drift, block.near))
     rows = np.asarray(_filter_epochs(x, P, *motion, kernel_input(table), pairs))
     return np.asarray(x), np.asarray(P), _outcome(rows)
@@ -92,10 +95,8 @@ def _filter_epochs(x, P, F, Q, offset, drift, near, table, pairs):
         _loosen(P, p, channels, drift[t])
         _update_by_code(x, P, p, channels, pairs, near[t])
         row[_RESTARTED] = _update_by_phase(x, P, p, channels, pairs, near[t])
-        _copy_baseline(x, P, row, _FLOAT)
-        _copy_baseline(x, P, row, _FIXED)
-        row[_RATIO] = _fix(x, P, p, pairs, row)
-        _judge(channels, pairs, near[t], row)
+        _copy_baseline(x, P, row)
+        row[_RATIO] = _fix(x, P, p, channels, pairs, near[t], row)
     return rows
 
 
@@ -107,19 +108,19 @@ def _loosen(P, p, channels, drift):
 
 
 @kernel
-def _copy_baseline(x, P, row, start):
-    """Write baseline and covariance to a row of results, from column `start` on."""
+def _copy_baseline(x, P, row):
+    """Write the float baseline and its covariance to a row of results."""
     for i in range(3):
-        row[start + i] = x[i]
+        row[_FLOAT + i] = x[i]
         for j in range(3):
-            row[start + 3 + 3 * i + j] = P[i][j]
+            row[_FLOAT + 3 + 3 * i + j] = P[i][j]
 
 
 @kernel
 def _update_by_code(x, P, p, channels, pairs, near):
     """Update x, P by an epoch's codes, in place; a code that the others contradict is set aside for this epoch."""
     k = len(channels)
-    variance = _variances(channels, _SIGMA_CODE)
+    variance = _variances(channels, _SIGMA_CODE, True)
     for _ in range(k // 3 + 1):
         C, W = _innovation(x, P, p, channels, pairs, near, variance, _CODE)
         worst = _outlying_channel(C, W, pairs, k)
@@ -133,7 +134,7 @@ def _update_by_code(x, P, p, channels, pairs, near):
 def _update_by_phase(x, P, p, channels, pairs, near):
     """Update x, P by an epoch's carriers, in place; return how many ambiguities the others contradicted: they start anew."""
     k = len(channels)
-    variance, restarted = _variances(channels, _SIGMA_PHASE), vector(k)
+    variance, restarted = _variances(channels, _SIGMA_PHASE, True), vector(k)
     for i in range(k):
         if channels[i][_SLIP] != 0.0:
             _restart(x, P, p, channels, i)
@@ -149,11 +150,11 @@ def _update_by_phase(x, P, p, channels, pairs, near):
 
 
 @kernel
-def _variances(channels, column):
-    """Return the squares (k,) of a column of sigmas."""
+def _variances(channels, column, for_filter):
+    """Return the squares (k,) of a column of sigmas, for the filter enlarged where the measurement tells little new."""
     variance = vector(len(channels))
     for i in range(len(channels)):
-        variance[i] = channels[i][column] ** 2
+        variance[i] = channels[i][column] ** 2 / (channels[i][_NOVELTY] if for_filter else 1.0)
     return variance
 
 
@@ -224,88 +225,74 @@ def _outlying_channel(C, W, pairs, k):
 
 
 @kernel
-def _fix(x, P, p, pairs, row):
-    """Condition the fixed baseline in a row of results on the best integers, in place; return the ratio, 0 without integers."""
-    d = len(pairs)
-    if d == 0:
+def _fix(x, P, p, channels, pairs, near, row):
+    """Write the fixed baseline to a row of results, in place; return the ratio, 0 where there are no integers or no baseline."""
+    if len(pairs) < 3:
         return 0.0
-    a_hat, Q_a, Q_ba = _double_difference_ambiguities(x, P, p, pairs)
-    Z, L, variances, status = decorrelate_kernel(Q_a)
-    if status != GOOD:
+    a_hat, Q_a = _double_difference_ambiguities(x, P, p, pairs)
+    candidates, norms, nodes, status, _ = fix_groups(a_hat, Q_a, 2, _NODE_LIMIT)
+    if status != GOOD or nodes[0][0] >= _NODE_LIMIT:
         return 0.0
-    z_hat, Q_bz = vector(d), matrix(3, d)
-    for r in range(d):
-        for q in range(d):
-            z_hat[q] += (a_hat[r] - math.floor(a_hat[r])) * Z[r][q]
-            for axis in range(3):
-                Q_bz[axis][q] += Q_ba[axis][r] * Z[r][q]
-    candidates, norms, nodes = search_kernel(z_hat, L, variances, 2, _NODE_LIMIT)
-    if nodes >= _NODE_LIMIT:
+    if not _solve_fixed(channels, pairs, candidates[0], near, row):
         return 0.0
-    for r in range(d):
-        z_hat[r] = candidates[0][r] - z_hat[r]
-    _condition_on_integers(row, z_hat, Q_bz, L, variances)
-    return norms[1] / max(norms[0], 1e-12)
+    return norms[0][1] / max(norms[0][0], 1e-12)
 
 
 @kernel
 def _double_difference_ambiguities(x, P, p, pairs):
-    """Return a_hat (d,) and Q_a (d, d) [cycles] of the double differences, and their covariance Q_ba (3, d) with the baseline."""
+    """Return a_hat (1, 1, d) and Q_a (1, d, d) [cycles] of the double differences: one vector, one covariance."""
     d = len(pairs)
-    a_hat, Q_a, Q_ba = vector(d), matrix(d, d), matrix(3, d)
+    a_hat, Q_a = cube(1, 1, d), cube(1, d, d)
     for r in range(d):
         i, j = p + pairs[r][0], p + pairs[r][1]
-        a_hat[r] = x[i] - x[j]
-        for axis in range(3):
-            Q_ba[axis][r] = P[axis][i] - P[axis][j]
+        a_hat[0][0][r] = x[i] - x[j]
         for q in range(d):
             g, h = p + pairs[q][0], p + pairs[q][1]
-            Q_a[r][q] = P[i][g] - P[i][h] - P[j][g] + P[j][h]
-    return a_hat, Q_a, Q_ba
+            Q_a[0][r][q] = P[i][g] - P[i][h] - P[j][g] + P[j][h]
+    return a_hat, Q_a
 
 
 @kernel
-def _condition_on_integers(row, step, Q_bz, L, variances):
-    """Add Q_bz Q_z^-1 step to the fixed baseline and subtract Q_bz Q_z^-1 Q_zb from its covariance, in place.
+def _solve_fixed(channels, pairs, integers, near, row):
+    """Solve the baseline by least squares from the carriers less their integers; write it, its covariance and misfit to the row.
 
-    With Q_z = L' diag(d) L the integers enter one after the other, last first: step_j and column j of Q_bz, less what those
-    after j explain.
-    """
-    for j in range(len(variances) - 1, -1, -1):
-        for i in range(j + 1, len(variances)):
-            step[j] -= step[i] * L[i][j]
-            for axis in range(3):
-                Q_bz[axis][j] -= Q_bz[axis][i] * L[i][j]
-        for axis in range(3):
-            row[_FIXED + axis] += Q_bz[axis][j] * step[j] / variances[j]
-            for other in range(3):
-                row[_FIXED + 3 + 3 * axis + other] -= Q_bz[axis][j] * Q_bz[other][j] / variances[j]
-
-
-@kernel
-def _judge(channels, pairs, near, row):
-    """Write r' R^-1 r of the fixed baseline's carrier residuals and its expectation d - tr(R^-1 H Q H') to the row.
-
-    r = D phase - H (b - near) less the nearest whole wavelengths, H = D design, Q the covariance of that baseline: a Kalman update leaves
-    residuals of covariance R - H Q H'.
+    y = D phase - wavelength a,  H = D design,  R = D diag(sigma^2) D' = C C',  N = H' R^-1 H:  b = near + N^-1 H' R^-1 y, Q = N^-1,
+    misfit y' R^-1 y - y' R^-1 H (b - near), expected d - 3. Returns False where the satellites leave the baseline open.
     """
     d = len(pairs)
-    variance, R, G = _variances(channels, _SIGMA_PHASE), matrix(d, d), matrix(d, 4)
+    variance, C, G, N = _variances(channels, _SIGMA_PHASE, False), matrix(d, d), matrix(d, 4), matrix(4, 4)
     for r in range(d):
         i, j = pairs[r][0], pairs[r][1]
-        wavelength = channels[i][_WAVELENGTH]
-        residual = channels[i][_PHASE] - channels[j][_PHASE]
+        G[r][3] = channels[i][_PHASE] - channels[j][_PHASE] - channels[i][_WAVELENGTH] * integers[r]
         for axis in range(3):
             G[r][axis] = channels[i][axis] - channels[j][axis]
-            residual -= G[r][axis] * (row[_FIXED + axis] - near[axis])
-        G[r][3] = residual - wavelength * math.floor(residual / wavelength + 0.5)
         for q in range(r + 1):
-            R[r][q] = _noise(pairs, r, q, variance)
-    factor_cholesky(R)
-    solve_lower(R, G)
-    row[_FREEDOM] = d
+            C[r][q] = _noise(pairs, r, q, variance)
+    factor_cholesky(C)
+    solve_lower(C, G)
     for r in range(d):
-        row[_MISFIT] += G[r][3] ** 2
-        for axis in range(3):
-            for other in range(3):
-                row[_FREEDOM] -= G[r][axis] * row[_FIXED + 3 + 3 * axis + other] * G[r][other]
+        for i in range(4):
+            add_multiple(N[i], G[r], G[r][i])
+    return _write_fixed(N, d, near, row)
+
+
+@kernel
+def _write_fixed(N, d, near, row):
+    """Solve the bordered normal equations N = [[H'H, H'y], [y'H, y'y]] (4, 4) by Cholesky and write the results to the row."""
+    size = N[0][0] + N[1][1] + N[2][2]
+    factor_cholesky(N)
+    smallest = min(N[0][0], N[1][1], N[2][2])
+    if not smallest * smallest > _SINGULAR * size:
+        return False
+    inverse = matrix(3, 3)
+    for i in range(3):
+        inverse[i][i] = 1.0
+    solve_lower(N, inverse)
+    for i in range(3):
+        row[_FIXED + i] = near[i]
+        for k in range(3):
+            row[_FIXED + i] += inverse[k][i] * N[3][k]
+            for j in range(3):
+                row[_FIXED + 3 + 3 * i + j] += inverse[k][i] * inverse[k][j]
+    row[_MISFIT], row[_FREEDOM] = N[3][3] ** 2, d - 3
+    return True

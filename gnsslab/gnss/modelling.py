@@ -12,9 +12,10 @@ from gnsslab.gnss.delays import saastamoinen
 from gnsslab.gnss.differences import Pair
 from gnsslab.gnss.frames import azimuth_elevation, enu_rotation, geodetic_from_ecef
 from gnsslab.gnss.orbits import rotate_to_reception, satellite_states
-from gnsslab.gnss.screening import cycle_slips, has_half_cycle, is_shadowed
+from gnsslab.gnss.screening import ages, cycle_slips, has_half_cycle, is_shadowed
 from gnsslab.gnss.signals import SPEED_OF_LIGHT
-from gnsslab.gnss.weighting import sigma_code, sigma_phase
+from gnsslab.gnss.times import usual_step
+from gnsslab.gnss.weighting import information_step, sigma_code, sigma_phase
 
 _HEIGHT_STEP = 10.0  # [m], over which the troposphere's slope is taken
 
@@ -30,15 +31,16 @@ class Model:
     phase: np.ndarray  # (T, c) [m], the same of the carrier; wavelength times ambiguity is left in it
     sigma_code: np.ndarray  # (T, c) [m], of the single difference
     sigma_phase: np.ndarray  # (T, c) [m]
+    novelty: np.ndarray  # (T, c) 0 to 1, share of a measurement's information that earlier ones have not given yet
     elevation: np.ndarray  # (T, c) [rad]
     usable: np.ndarray  # (T, c) bool: measured, healthy, above the mask, no half cycle in doubt, no shadow
     slip: np.ndarray  # (T, c) bool: the ambiguity starts anew
 
 
-def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise):
+def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise, forgets):
     """Return the Model of a Pair with the receivers' positions (T, 3) [m] at its epochs, an elevation mask [rad] and a NoiseModel.
 
-    The master's position is taken as known, the rover's need only be good to some metres. Each receiver's signals are
+    `forgets` (T,) bool are epochs at which all ambiguities start anew. The master's position is taken as known, the rover's need only be good to some metres. Each receiver's signals are
     traced to their own transmission times, so receiver clocks apart by milliseconds do no harm.
     """
     at_master = _trace(pair, pair.master, pair.time_master, master_ecef, ephemerides)
@@ -46,6 +48,7 @@ def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise):
     modelled = (at_rover.modelled - at_master.modelled)[:, pair.satellite]
     elevation = at_master.elevation[:, pair.satellite]
     usable = _usable(pair, modelled, elevation, mask)
+    slip = usable & (cycle_slips(pair, usable) | forgets[:, None])
     return Model(
         pair=pair,
         near=rover_ecef - master_ecef,
@@ -54,9 +57,10 @@ def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise):
         phase=(pair.rover.phase - pair.master.phase) * pair.wavelength - modelled,
         sigma_code=_single_difference_sigma(sigma_code, noise, pair, elevation),
         sigma_phase=_single_difference_sigma(sigma_phase, noise, pair, elevation),
+        novelty=_novelty(pair, ages(usable, slip), noise),
         elevation=elevation,
         usable=usable,
-        slip=cycle_slips(pair, usable),
+        slip=slip,
     )
 
 
@@ -111,3 +115,9 @@ def _single_difference_sigma(sigma, noise, pair, elevation):
     """Return the standard deviation (T, c) [m] of rover minus master, NaN below the horizon."""
     elevation = np.where(elevation > 0, elevation, np.nan)
     return np.hypot(*(sigma(noise, elevation, tracks.cn0, pair.wavelength) for tracks in (pair.master, pair.rover)))
+
+
+def _novelty(pair, age, noise):
+    """Return the share (T, c) of new information: multipath lasts, so the hundredth measurement of an ambiguity tells little."""
+    steps = information_step(np.arange(1, len(age) + 1), usual_step(pair.time), noise)
+    return steps[np.maximum(age, 1) - 1]

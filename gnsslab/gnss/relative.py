@@ -17,7 +17,7 @@ from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.modelling import build_model
 from gnsslab.gnss.points import solve_points
 from gnsslab.gnss.signals import USED_SYSTEMS
-from gnsslab.gnss.times import seconds_between
+from gnsslab.gnss.times import usual_step
 from gnsslab.gnss.weighting import NoiseModel, inflation_of_mean
 
 FEWEST_SATELLITES = 4
@@ -77,7 +77,7 @@ def solve_relative(base, rover, ephemerides, *, base_position=None, static=False
     if base_position is None:
         base_position = station_position(base, ephemerides)
     master_ecef = np.broadcast_to(np.asarray(base_position, dtype=float), (len(base.time), 3))
-    return _solve(base, rover, master_ecef, ephemerides, _motion(settings, static), settings, progress)
+    return _solve(base, rover, master_ecef, ephemerides, static, settings, progress)
 
 
 def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
@@ -88,7 +88,7 @@ def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
     """
     settings = Settings(**settings)
     points = solve_points(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
-    return _solve(master, rover, points.position_ecef, ephemerides, _motion(settings, static=False), settings, progress)
+    return _solve(master, rover, points.position_ecef, ephemerides, False, settings, progress)
 
 
 def ratio_threshold(n, acceptance=16.0):
@@ -114,6 +114,21 @@ def variance_factor(outcome, is_fixed):
     return (_PRIOR_FREEDOM + outcome.misfit[is_fixed].sum()) / (_PRIOR_FREEDOM + expected)
 
 
+def running_mean(outcome, is_fixed, interval, noise):
+    """Return the Outcome with each fixed baseline replaced by the weighted mean of all fixed ones up to it: the rover stands still.
+
+    b = (sum Q_t^-1)^-1 sum Q_t^-1 b_t; its covariance is inflated as that of a mean of correlated measurements.
+    """
+    baseline, Q = outcome.baseline_fixed.copy(), outcome.Q_fixed.copy()
+    weight = np.linalg.inv(Q[is_fixed])
+    total = np.cumsum(weight, axis=0)
+    inflation = inflation_of_mean(np.arange(1, len(weight) + 1), interval, noise)
+    Q_mean = np.linalg.inv(total)
+    baseline[is_fixed] = np.einsum("tij,tj->ti", Q_mean, np.cumsum(np.einsum("tij,tj->ti", weight, baseline[is_fixed]), axis=0))
+    Q[is_fixed] = Q_mean * inflation[:, None, None]
+    return outcome._replace(baseline_fixed=baseline, Q_fixed=Q)
+
+
 def station_position(base, ephemerides):
     """Return the ECEF position (3,) [m] of a base's antenna reference point.
 
@@ -131,24 +146,23 @@ def _motion(settings, static):
     return motion.static if static else partial(motion.moving, acceleration=settings.acceleration)
 
 
-def _solve(master, rover, master_ecef, ephemerides, path_of, settings, progress):
+def _solve(master, rover, master_ecef, ephemerides, static, settings, progress):
     """Return Relative for all epochs of the rover, given the master's position (T_master, 3) at all of its own."""
     pair = pair_receivers(master, rover, settings.systems, settings.frequencies, settings.signals)
     letters = "".join(sorted({name[0] for name in pair.satellites}))
     points = solve_points(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
     master_ecef = _filled(master_ecef)[pair.epoch_master]
     rover_ecef = _filled(points.position_ecef)[pair.epoch]
-    model = build_model(pair, master_ecef, rover_ecef, ephemerides, np.radians(settings.mask_deg), settings.noise)
-    path = path_of(pair.time, model.near)
+    path = _motion(settings, static)(pair.time, rover_ecef - master_ecef)
+    mask = np.radians(settings.mask_deg)
+    model = build_model(pair, master_ecef, rover_ecef, ephemerides, mask, settings.noise, path.forgets)
     solution = run_blocks(model, path, progress)
     status = _judged(solution, settings.acceptance)
-    inflation = inflation_of_mean(path.averaged, _interval(pair.time), settings.noise)
-    factor = inflation * variance_factor(solution.outcome, status == Status.FIXED)
-    return _relative(rover.time, pair.epoch, master_ecef, solution.outcome, status, factor, solution.satellites)
-
-
-def _interval(time):
-    return float(np.median(seconds_between(time[1:], time[:-1]))) if len(time) > 1 else 1.0
+    is_fixed = status == Status.FIXED
+    outcome, factor = solution.outcome, variance_factor(solution.outcome, is_fixed)
+    if static:
+        outcome = running_mean(outcome, is_fixed, usual_step(pair.time), settings.noise)
+    return _relative(rover.time, pair.epoch, master_ecef, outcome, status, factor, solution.satellites)
 
 
 def _filled(position):
@@ -187,7 +201,7 @@ def _relative(time, epoch, master_ecef, outcome, status, factor, satellites):
         status=at_all_epochs(status, Status.NONE),
         baseline_ecef=at_all_epochs(baseline),
         baseline_enu=at_all_epochs(np.einsum("tij,tj->ti", R_ne, baseline)),
-        Q_enu=at_all_epochs(factor[:, None, None] * R_ne @ Q @ R_ne.swapaxes(-1, -2) + _atmosphere_left(baseline)),
+        Q_enu=at_all_epochs(factor * R_ne @ Q @ R_ne.swapaxes(-1, -2) + _atmosphere_left(baseline)),
         position_ecef=at_all_epochs(master_ecef + baseline),
         ratio=at_all_epochs(outcome.ratio),
         satellites=at_all_epochs(satellites, 0),

@@ -49,6 +49,17 @@ def cycle_slips(pair, usable):
     return slip & usable
 
 
+def ages(usable, slip):
+    """Return (T, c) int: at how many usable epochs, up to and with this one, each channel has had its present ambiguity.
+
+    >>> ages(np.array([[True], [True], [False], [True]]), np.array([[False], [False], [False], [True]])).ravel().tolist()
+    [1, 2, 2, 1]
+    """
+    count = np.cumsum(usable, axis=0)
+    before_start = np.maximum.accumulate(np.where(slip, count - 1, 0), axis=0)
+    return count - before_start
+
+
 def _last_usable(usable):
     """Return (T, c) int: index of the usable epoch before each epoch, -1 where there is none."""
     index = np.where(usable, np.arange(len(usable))[:, None], -1)

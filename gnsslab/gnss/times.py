@@ -57,6 +57,15 @@ def seconds_between(later, earlier):
     return difference / NANOSECOND / 1e9
 
 
+def usual_step(time):
+    """Return the usual spacing of labels [s], the median, and 1 s where there are fewer than two.
+
+    >>> usual_step(np.array(["2024-01-01T00:00:00", "2024-01-01T00:00:30"], "M8[ns]"))
+    30.0
+    """
+    return float(np.median(seconds_between(time[1:], time[:-1]))) if len(time) > 1 else 1.0
+
+
 def add_seconds(time, seconds):
     """Return time labels moved by seconds (float, rounded to the nanosecond).
 

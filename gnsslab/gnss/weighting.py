@@ -58,3 +58,17 @@ def inflation_of_mean(n, interval, noise):
     n, phi = np.asarray(n, dtype=float), np.exp(-interval / noise.correlation_time)
     correlated = phi / (1 - phi) - phi * (1 - phi**n) / (n * (1 - phi) ** 2)
     return 1 + 2 * noise.correlated_share * correlated
+
+
+def information_step(n, interval, noise):
+    """Return what the n-th of correlated measurements adds to the information of their mean, 1 for the first one.
+
+    I_n = n / f_n with f of `inflation_of_mean`; the step is I_n - I_n-1, in the end 1 / f. Divided by it, the variances of
+    single measurements may be treated as independent, and add up to the information that the correlated ones have.
+
+    >>> information_step(np.array([1, 2, 10_000]), 1.0, NoiseModel()).round(4).tolist()
+    [1.0, 0.2082, 0.0124]
+    """
+    n = np.asarray(n, dtype=float)
+    before = np.where(n > 1, (n - 1) / inflation_of_mean(np.maximum(n - 1, 1), interval, noise), 0.0)
+    return n / inflation_of_mean(n, interval, noise) - before
