@@ -137,7 +137,7 @@ def worst_outlier(C, W, A):
 def is_consistent(W):
     """Return whether w'w, w the last column of W (k, n + 1), passes the chi-square test that one good epoch in a thousand fails.
 
-    The quantile is that of Wilson and Hilferty (1931), good to a percent: k (1 - 2 / 9k + 3.09 sqrt(2 / 9k))^3.
+    The quantile is that of Wilson and Hilferty (1931), good to a percent from k = 6 on, 3 % high at k = 1: k (1 - 2 / 9k + 3.09 sqrt(2 / 9k))^3.
     """
     k, total = len(W), 0.0
     for i in range(k):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gnsslab.gnss.dense import signal_arrays
+from gnsslab.gnss.observations import SLIP
 from gnsslab.gnss.signals import BANDS, USED_SYSTEMS, tracking_letters, wavelength
 
 TAG_TOLERANCE = np.timedelta64(25, "ms")  # two receivers' tags of one epoch differ by their clocks: up to some milliseconds
@@ -136,8 +137,10 @@ def common_epochs(time_a, time_b, tolerance=TAG_TOLERANCE):
     after = np.searchsorted(time_a, time_b).clip(0, len(time_a) - 1)
     before = (after - 1).clip(0)
     nearest = np.where(np.abs(time_a[after] - time_b) < np.abs(time_a[before] - time_b), after, before)
-    i_b = np.flatnonzero(np.abs(time_a[nearest] - time_b) <= tolerance)
-    i_a, first = np.unique(nearest[i_b], return_index=True)
+    apart = np.abs(time_a[nearest] - time_b)
+    i_b = np.argsort(apart, kind="stable")
+    i_b = i_b[apart[i_b] <= tolerance]
+    i_a, first = np.unique(nearest[i_b], return_index=True)  # of several near the same epoch the nearest
     return i_a, i_b[first]
 
 
@@ -211,10 +214,15 @@ def _group_numbers(channels):
 
 
 def _tracks(observations, epochs, channels, end):
-    arrays = signal_arrays(observations, [c.satellite for c in channels], [getattr(c, end) for c in channels])
-    code, phase, doppler, cn0, lli = (array[epochs] for array in arrays)
-    lli = lli | observations.power_failure[epochs, None].astype(np.uint8)
-    return Tracks(code, phase, doppler, cn0, lli)
+    *arrays, lli = signal_arrays(observations, [c.satellite for c in channels], [getattr(c, end) for c in channels])
+    lli = lli | SLIP * observations.power_failure[:, None].astype(np.uint8)
+    return Tracks(*(array[epochs] for array in arrays), lli[epochs] | _slips_on_the_way(lli, epochs))
+
+
+def _slips_on_the_way(lli, epochs):
+    """Return SLIP (T, c) where a receiver lost lock since the common epoch before, also at epochs that the other one does not have."""
+    since = np.concatenate([[0], epochs[:-1] + 1])
+    return np.bitwise_or.reduceat(lli[: epochs[-1] + 1] & SLIP, since, axis=0)
 
 
 def _span(observations):
