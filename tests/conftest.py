@@ -1,11 +1,14 @@
 """Fixtures for all tests: random numbers with a fixed seed, and real data sets."""
 
 import os
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from gnsslab.data import DataUnavailable, fetch
+import gnsslab
+from gnsslab.data import Dataset, DataUnavailable, fetch, find_dataset
 
 
 @pytest.fixture
@@ -27,6 +30,28 @@ def dataset():
         return found[name]
 
     return folder_of
+
+
+@pytest.fixture(scope="session")
+def campaign(dataset):
+    """A function from a data set's name to its `Campaign`, read once; skips or fails as `dataset` does."""
+
+    @cache
+    def read(name):
+        folder, facts = dataset(name), find_dataset(name)
+        base, rover = (gnsslab.read_rinex_obs(folder / file) for file in (facts.base, facts.rover))
+        return Campaign(base, rover, gnsslab.read_rinex_nav(*(folder / file for file in facts.nav)), facts)
+
+    return read
+
+
+class Campaign(NamedTuple):
+    """A real data set, read."""
+
+    base: gnsslab.Observations
+    rover: gnsslab.Observations
+    ephemerides: gnsslab.Ephemerides
+    facts: Dataset
 
 
 def _folder_or_reason(name):

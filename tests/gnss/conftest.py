@@ -1,10 +1,13 @@
-"""RTKLIB, where it can be had: the second implementation of many tests here."""
+"""RTKLIB, where it can be had: the second implementation of many tests here; and the path to modules that tests share."""
 
 import importlib
 import os
 import sys
+from pathlib import Path
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 
 @pytest.fixture(scope="session")
