@@ -6,7 +6,6 @@ changes only which channels are paired and costs nothing. With its integers know
 fixed baseline is solved from the carriers of its epoch alone. One source for compiled and plain Python (core.jit).
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np

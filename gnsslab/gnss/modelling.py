@@ -40,15 +40,17 @@ class Model:
 def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise, forgets):
     """Return the Model of a Pair with the receivers' positions (T, 3) [m] at its epochs, an elevation mask [rad] and a NoiseModel.
 
-    `forgets` (T,) bool are epochs at which all ambiguities start anew. The master's position is taken as known, the rover's need only be good to some metres. Each receiver's signals are
-    traced to their own transmission times, so receiver clocks apart by milliseconds do no harm.
+    `forgets` (T,) bool are epochs at which all ambiguities start anew. The master's position is taken as known, the rover's need
+    only be good to some metres. Each receiver's signals are traced to their own transmission times, so receiver clocks
+    apart by milliseconds do no harm.
     """
     at_master = _trace(pair, pair.master, pair.time_master, master_ecef, ephemerides)
     at_rover = _trace(pair, pair.rover, pair.time, rover_ecef, ephemerides)
     modelled = (at_rover.modelled - at_master.modelled)[:, pair.satellite]
     elevation = at_master.elevation[:, pair.satellite]
     usable = _usable(pair, modelled, elevation, mask)
-    slip = usable & (cycle_slips(pair, usable) | forgets[:, None])
+    sigma = _single_difference_sigma(sigma_phase, noise, pair, elevation)
+    slip = usable & (cycle_slips(pair, usable, sigma) | forgets[:, None])
     return Model(
         pair=pair,
         near=rover_ecef - master_ecef,
@@ -56,7 +58,7 @@ def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise, forgets
         code=pair.rover.code - pair.master.code - modelled,
         phase=(pair.rover.phase - pair.master.phase) * pair.wavelength - modelled,
         sigma_code=_single_difference_sigma(sigma_code, noise, pair, elevation),
-        sigma_phase=_single_difference_sigma(sigma_phase, noise, pair, elevation),
+        sigma_phase=sigma,
         novelty=_novelty(pair, ages(usable, slip), noise),
         elevation=elevation,
         usable=usable,
@@ -119,5 +121,5 @@ def _single_difference_sigma(sigma, noise, pair, elevation):
 
 def _novelty(pair, age, noise):
     """Return the share (T, c) of new information: multipath lasts, so the hundredth measurement of an ambiguity tells little."""
-    steps = information_step(np.arange(1, len(age) + 1), usual_step(pair.time), noise)
+    steps = information_step(np.arange(1, len(age) + 1), usual_step(pair.time), noise.correlated_share, noise.novelty_time)
     return steps[np.maximum(age, 1) - 1]

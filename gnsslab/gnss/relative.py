@@ -122,7 +122,7 @@ def running_mean(outcome, is_fixed, interval, noise):
     baseline, Q = outcome.baseline_fixed.copy(), outcome.Q_fixed.copy()
     weight = np.linalg.inv(Q[is_fixed])
     total = np.cumsum(weight, axis=0)
-    inflation = inflation_of_mean(np.arange(1, len(weight) + 1), interval, noise)
+    inflation = inflation_of_mean(np.arange(1, len(weight) + 1), interval, noise.correlated_share, noise.correlation_time)
     Q_mean = np.linalg.inv(total)
     baseline[is_fixed] = np.einsum("tij,tj->ti", Q_mean, np.cumsum(np.einsum("tij,tj->ti", weight, baseline[is_fixed]), axis=0))
     Q[is_fixed] = Q_mean * inflation[:, None, None]

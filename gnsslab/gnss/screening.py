@@ -7,7 +7,8 @@ from gnsslab.gnss.times import seconds_between
 
 LONGEST_GAP = 5  # epochs a channel may be missing and still continue its count when no slip is flagged
 SHADOW_LOSS = 6.0  # [dB] below the other antenna: what a signal loses when its satellite stands just behind an edge (knife-edge diffraction)
-_GEOMETRY_FREE_JUMP = 0.05  # [m]: one cycle on one of two bands moves the combination by 54 mm at least (L1 against L2)
+_GEOMETRY_FREE_JUMP = 0.05  # [m]: a cycle on either or both of L1 and L2 moves the combination by 54 mm at least
+_GEOMETRY_FREE_SIGMAS = 3.0  # of the combination, where these are more: low satellites of noisy antennas
 _LONGEST_IONOSPHERE_STEP = 60.0  # [s]: beyond, the ionosphere itself may move the combination by centimetres
 _DOPPLER_JUMP = 1.5  # [cycles]: the mean Doppler of two epochs predicts the phase to about a cycle
 _LONGEST_DOPPLER_STEP = 2.0  # [s]: beyond, accelerations spoil that prediction
@@ -33,17 +34,18 @@ def is_shadowed(pair):
         return np.abs(loss) > SHADOW_LOSS
 
 
-def cycle_slips(pair, usable):
+def cycle_slips(pair, usable, sigma):
     """Return (T, c) bool: the ambiguity of the channel is not the one it had when last used.
 
-    `usable` (T, c) bool are the measurements that enter the filter. Four reasons: a loss-of-lock flag of either receiver
-    since the last usable epoch, a gap longer than LONGEST_GAP epochs, a jump of the geometry-free combination between bands,
-    a jump of the carrier against the Doppler. The last two look at consecutive usable epochs of each receiver.
+    `usable` (T, c) bool are the measurements that enter the filter, `sigma` (T, c) [m] belongs to their single-difference
+    carriers. Four reasons: a loss-of-lock flag of either receiver since the last usable epoch, a gap longer than LONGEST_GAP
+    epochs, a jump of the geometry-free combination between bands, a jump of the carrier against the Doppler. The last two
+    look at consecutive usable epochs.
     """
     last = _last_usable(usable)
     slip = _flagged_since(last, ((pair.master.lli | pair.rover.lli) & SLIP) > 0)
     slip |= (last >= 0) & (np.arange(len(usable))[:, None] - last > LONGEST_GAP + 1)
-    slip |= _geometry_free_jumps(pair, last)
+    slip |= _geometry_free_jumps(pair, last, sigma)
     for tracks, time in ((pair.master, pair.time_master), (pair.rover, pair.time)):
         slip |= _doppler_jumps(tracks, time, last)
     return slip & usable
@@ -83,14 +85,15 @@ def _seconds_since(time, last):
     return seconds_between(time[:, None], time[last.clip(0)])
 
 
-def _geometry_free_jumps(pair, last):
+def _geometry_free_jumps(pair, last, sigma):
     """Return (T, c) bool: the difference of two bands' carriers [m], between receivers, jumped; both bands are suspect."""
     change = _step((pair.rover.phase - pair.master.phase) * pair.wavelength, last)
     change[_seconds_since(pair.time, last) > _LONGEST_IONOSPHERE_STEP] = np.nan
     jump = np.zeros(change.shape, dtype=bool)
     for a, b in _band_pairs(pair):
         with np.errstate(invalid="ignore"):
-            both = (np.abs(change[:, a] - change[:, b]) > _GEOMETRY_FREE_JUMP) & (last[:, a] == last[:, b])
+            least = np.maximum(_GEOMETRY_FREE_JUMP, _GEOMETRY_FREE_SIGMAS * np.sqrt(2) * np.hypot(sigma[:, a], sigma[:, b]))
+            both = (np.abs(change[:, a] - change[:, b]) > least) & (last[:, a] == last[:, b])
         jump[:, a] |= both
         jump[:, b] |= both
     return jump

@@ -21,6 +21,7 @@ class NoiseModel:
     code_ratio: float = 100.0  # sigma of the code over sigma of the carrier
     correlated_share: float = 2 / 3  # of the carrier's variance, multipath that lasts
     correlation_time: float = 60.0  # [s], for which it lasts
+    novelty_time: float = 10.0  # [s], the same as the filter believes it: longer is safer, but integers take longer to be found
 
 
 def sigma_phase(noise, elevation, cn0, wavelength):
@@ -46,29 +47,29 @@ def sigma_code(noise, elevation, cn0, wavelength):
     return noise.code_ratio * sigma_phase(noise, elevation, cn0, wavelength)
 
 
-def inflation_of_mean(n, interval, noise):
+def inflation_of_mean(n, interval, share, correlation_time):
     """Return how much larger the variance of the mean of n measurements is than independent ones would have it.
 
     f = 1 + 2 s sum over k < n of (1 - k / n) phi^k, phi = exp(-interval / tau): s is the share of the variance that is
-    a first-order Gauss-Markov process of correlation time tau. One measurement is not inflated; many by 1 + 2 s tau / interval.
+    a first-order Gauss-Markov process of correlation time tau [s]. One measurement is not inflated; many by 1 + 2 s tau / interval.
 
-    >>> inflation_of_mean(np.array([1, 10_000]), 1.0, NoiseModel()).round(1).tolist()
-    [1.0, 80.2]
+    >>> inflation_of_mean(np.array([1, 10_000]), 1.0, 2 / 3, 60.0).round(1).tolist()
+    [1.0, 79.9]
     """
-    n, phi = np.asarray(n, dtype=float), np.exp(-interval / noise.correlation_time)
+    n, phi = np.asarray(n, dtype=float), np.exp(-interval / correlation_time)
     correlated = phi / (1 - phi) - phi * (1 - phi**n) / (n * (1 - phi) ** 2)
-    return 1 + 2 * noise.correlated_share * correlated
+    return 1 + 2 * share * correlated
 
 
-def information_step(n, interval, noise):
+def information_step(n, interval, share, correlation_time):
     """Return what the n-th of correlated measurements adds to the information of their mean, 1 for the first one.
 
     I_n = n / f_n with f of `inflation_of_mean`; the step is I_n - I_n-1, in the end 1 / f. Divided by it, the variances of
     single measurements may be treated as independent, and add up to the information that the correlated ones have.
 
-    >>> information_step(np.array([1, 2, 10_000]), 1.0, NoiseModel()).round(4).tolist()
-    [1.0, 0.2082, 0.0124]
+    >>> information_step(np.array([1, 2, 10_000]), 1.0, 2 / 3, 60.0).round(4).tolist()
+    [1.0, 0.208, 0.0124]
     """
     n = np.asarray(n, dtype=float)
-    before = np.where(n > 1, (n - 1) / inflation_of_mean(np.maximum(n - 1, 1), interval, noise), 0.0)
-    return n / inflation_of_mean(n, interval, noise) - before
+    before = np.where(n > 1, (n - 1) / inflation_of_mean(np.maximum(n - 1, 1), interval, share, correlation_time), 0.0)
+    return n / inflation_of_mean(n, interval, share, correlation_time) - before
