@@ -120,10 +120,10 @@ def _update_by_code(x, P, p, channels, pairs, near):
     """Update x, P by an epoch's codes, in place; a code that the others contradict is set aside for this epoch."""
     k = len(channels)
     variance = _variances(channels, _SIGMA_CODE, True)
-    for _ in range(k // 3 + 1):
+    for most_left in range(k // 3, -1, -1):
         C, W = _innovation(x, P, p, channels, pairs, near, variance, _CODE)
         worst = _outlying_channel(C, W, pairs, k)
-        if worst < 0:
+        if worst < 0 or most_left == 0:
             break
         variance[worst] *= _EXCLUDED
     update(x, P, W)
@@ -137,10 +137,10 @@ def _update_by_phase(x, P, p, channels, pairs, near):
     for i in range(k):
         if channels[i][_SLIP] != 0.0:
             _restart(x, P, p, channels, i)
-    for _ in range(k // 3 + 1):
+    for most_left in range(k // 3, -1, -1):
         C, W = _innovation(x, P, p, channels, pairs, near, variance, _PHASE)
         worst = _outlying_channel(C, W, pairs, k)
-        if worst < 0 or restarted[worst] > 0:
+        if worst < 0 or most_left == 0 or restarted[worst] > 0:
             break
         restarted[worst] = 1.0
         _restart(x, P, p, channels, worst)
