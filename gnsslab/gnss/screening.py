@@ -3,6 +3,7 @@
 import numpy as np
 
 from gnsslab.gnss.observations import HALF_CYCLE, SLIP
+from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.gnss.times import seconds_between
 
 LONGEST_GAP = 5  # epochs a channel may be missing and still continue its count when no slip is flagged
@@ -47,7 +48,7 @@ def cycle_slips(pair, usable, sigma):
     slip |= (last >= 0) & (np.arange(len(usable))[:, None] - last > LONGEST_GAP + 1)
     slip |= _geometry_free_jumps(pair, last, sigma)
     for tracks, time in ((pair.master, pair.time_master), (pair.rover, pair.time)):
-        slip |= _doppler_jumps(tracks, time, last)
+        slip |= _doppler_jumps(tracks, time, pair.wavelength, last)
     return slip & usable
 
 
@@ -108,14 +109,18 @@ def _band_pairs(pair):
             yield tuple(np.array(both).T)
 
 
-def _doppler_jumps(tracks, time, last):
-    """Return (T, c) bool: one receiver's carrier left the path its Doppler foretold by more than the others did (clock jumps are common to all)."""
+def _doppler_jumps(tracks, time, wavelength, last):
+    """Return (T, c) bool: one receiver's carrier left the path its Doppler foretold, by more than a jump of its clock explains.
+
+    A clock that jumps by J moves the instant of measuring too: every carrier steps by J (c / wavelength + Doppler).
+    """
     seconds = _seconds_since(time, last)
     mean_doppler = tracks.doppler - _step(tracks.doppler, last) / 2
     excess = _step(tracks.phase, last) + mean_doppler * seconds
     excess[seconds > _LONGEST_DOPPLER_STEP] = np.nan
+    frequency = SPEED_OF_LIGHT / wavelength + mean_doppler
     some = np.isfinite(excess).any(axis=1)
-    common = np.zeros(len(excess))
-    common[some] = np.nanmedian(excess[some], axis=1)
+    jump = np.zeros((len(excess), 1))
+    jump[some, 0] = np.nanmedian((excess / frequency)[some], axis=1)
     with np.errstate(invalid="ignore"):
-        return np.abs(excess - common[:, None]) > _DOPPLER_JUMP
+        return np.abs(excess - jump * frequency) > _DOPPLER_JUMP

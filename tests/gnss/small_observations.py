@@ -38,7 +38,7 @@ def _table(system, signals, T):
             if t in epochs:
                 rank = names.index(signal)
                 code = 2e7 + 1000 * number + t + rank
-                value[row, 4 * rank : 4 * rank + 4] = code, code + 0.25, -500.0, 45.0
+                value[row, 4 * rank : 4 * rank + 4] = code, code + 0.25, -1.0, 45.0
     epoch, number = (np.array([row[i] for row in rows]) for i in (0, 1))
     flags = np.zeros(value.shape, dtype=np.uint8)
     return SystemTable(system, codes, epoch.astype(np.int32), number.astype(np.int16), value, flags, flags.copy())
