@@ -131,20 +131,31 @@ def _update_by_code(x, P, p, channels, pairs, near):
 
 @kernel
 def _update_by_phase(x, P, p, channels, pairs, near):
-    """Update x, P by an epoch's carriers, in place; return how many ambiguities the others contradicted: they start anew."""
-    k = len(channels)
-    variance, restarted = _variances(channels, _SIGMA_PHASE, True), vector(k)
-    for i in range(k):
+    """Update x, P by an epoch's carriers, in place; return how many ambiguities the others contradicted: they start anew.
+
+    Slips are looked for at the carriers' full precision; the update itself believes them only as far as they are news.
+    """
+    for i in range(len(channels)):
         if channels[i][_SLIP] != 0.0:
             _restart(x, P, p, channels, i)
-    for most_left in range(k // 3, -1, -1):
+    restarted = _restart_slipped(x, P, p, channels, pairs, near)
+    _, W = _innovation(x, P, p, channels, pairs, near, _variances(channels, _SIGMA_PHASE, True), _PHASE)
+    update(x, P, W)
+    return restarted
+
+
+@kernel
+def _restart_slipped(x, P, p, channels, pairs, near):
+    """Restart the ambiguities that the carriers contradict, the worst first, in place; return how many."""
+    k = len(channels)
+    variance, restarted = _variances(channels, _SIGMA_PHASE, False), vector(k)
+    for _ in range(k // 3):
         C, W = _innovation(x, P, p, channels, pairs, near, variance, _PHASE)
         worst = _outlying_channel(C, W, pairs, k)
-        if worst < 0 or most_left == 0 or restarted[worst] > 0:
+        if worst < 0 or restarted[worst] > 0:
             break
         restarted[worst] = 1.0
         _restart(x, P, p, channels, worst)
-    update(x, P, W)
     return sum(restarted)
 
 

@@ -23,6 +23,7 @@ from gnsslab.gnss.weighting import NoiseModel, inflation_of_mean
 FEWEST_SATELLITES = 4
 ATMOSPHERE = 1e-6  # of the baseline's length, standard deviation on each axis: what ionosphere and troposphere leave in a difference
 _POINT_MASK_DEG = 10.0
+_WORST_FIT = 9.0  # carriers with the right integers fit each other within three times their assumed sigma, also those of cheap antennas
 _PRIOR_FREEDOM = 30.0  # epochs of a few satellites: three to ten
 
 
@@ -177,7 +178,9 @@ def _filled(position):
 
 def _judged(solution, acceptance):
     """Return the Status (T,) of every common epoch."""
-    is_believed = solution.outcome.ratio >= ratio_threshold(solution.integers, acceptance)
+    outcome = solution.outcome
+    is_believed = outcome.ratio >= ratio_threshold(solution.integers, acceptance)
+    is_believed &= outcome.misfit <= _WORST_FIT * (outcome.freedom + 1)
     status = np.where(is_believed, Status.FIXED, Status.FLOAT).astype(np.int8)
     status[solution.satellites < FEWEST_SATELLITES] = Status.NONE
     return status
