@@ -89,7 +89,7 @@ def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
     """
     settings = Settings(**settings)
     points = solve_points(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
-    return _solve(master, rover, points.position_ecef, ephemerides, False, settings, progress)
+    return _solve(master, rover, _positions(points), ephemerides, False, settings, progress)
 
 
 def ratio_threshold(n, acceptance=16.0):
@@ -137,7 +137,7 @@ def station_position(base, ephemerides):
     """
     marker = base.header.position_ecef
     if marker is None:
-        return _filled(solve_points(base, ephemerides).position_ecef).mean(axis=0)
+        return _positions(solve_points(base, ephemerides)).mean(axis=0)
     return marker + enu_rotation(marker).T @ base.header.antenna_delta_enu
 
 
@@ -152,8 +152,7 @@ def _solve(master, rover, master_ecef, ephemerides, static, settings, progress):
     pair = pair_receivers(master, rover, settings.systems, settings.frequencies, settings.signals)
     letters = "".join(sorted({name[0] for name in pair.satellites}))
     points = solve_points(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
-    master_ecef = _filled(master_ecef)[pair.epoch_master]
-    rover_ecef = _filled(points.position_ecef)[pair.epoch]
+    master_ecef, rover_ecef = master_ecef[pair.epoch_master], _positions(points)[pair.epoch]
     path = _motion(settings, static)(pair.time, rover_ecef - master_ecef)
     mask = np.radians(settings.mask_deg)
     model = build_model(pair, master_ecef, rover_ecef, ephemerides, mask, settings.noise, path.forgets)
@@ -166,14 +165,14 @@ def _solve(master, rover, master_ecef, ephemerides, static, settings, progress):
     return _relative(rover.time, pair.epoch, master_ecef, outcome, status, factor, solution.satellites)
 
 
-def _filled(position):
-    """Return positions (T, 3) with missing epochs taken from the nearest solved one before, else from the first one."""
-    solved = np.isfinite(position[:, 0])
+def _positions(points):
+    """Return the single-point positions (T, 3), missing epochs taken from the nearest solved one before, else from the first one."""
+    solved = np.isfinite(points.position_ecef[:, 0])
     if not solved.any():
-        raise ValueError("no single-point position at any epoch: does the navigation file belong to the day of the observations?")
-    source = np.maximum.accumulate(np.where(solved, np.arange(len(position)), -1))
+        raise ValueError(f"no position at any epoch: {points.main_reason()}")
+    source = np.maximum.accumulate(np.where(solved, np.arange(len(solved)), -1))
     source[source < 0] = np.argmax(solved)
-    return position[source]
+    return points.position_ecef[source]
 
 
 def _judged(solution, acceptance):
