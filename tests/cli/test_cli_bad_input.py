@@ -55,7 +55,7 @@ FILES = {
     "observation given as navigation": ("nav", "ROVER", "observation"),
     "no common epochs": ("rover", "tomorrow.obs", "epoch"),
     "no common satellites": (("master", "rover"), ("galileo.obs", "glonass.obs"), "satellite|signal"),
-    "wrong day's navigation": ("nav", "tomorrow.nav", "day|navigation"),
+    "wrong day's navigation": ("nav", "tomorrow.nav", "those given are for 2021-05-|day of the observations"),
     "letters in a number field": ("rover", "letters.obs", r"line \d+"),
     "two-byte .gz": ("rover", "two.obs.gz", "gz|compressed"),
     "a folder": ("rover", ".", "folder"),
