@@ -33,6 +33,7 @@ def serve(host="127.0.0.1", port=8000, open_browser=True, say=print):
             say(f"port {port} is taken; using {taken}")
         address = f"http://{_shown(host)}:{taken}/"
         say(f"the course is at {address} (stop it with Ctrl-C)")
+        threading.Thread(target=warm_up, daemon=True).start()
         if open_browser:
             threading.Timer(BROWSER_AFTER, webbrowser.open, (address,)).start()
         uvicorn.Server(config).run(sockets=[listener])
@@ -40,6 +41,17 @@ def serve(host="127.0.0.1", port=8000, open_browser=True, say=print):
         say("stopped")
     finally:
         listener.close()
+
+
+def warm_up():
+    """Load engine and figures and compile the kernels, so that the first student need not wait (20 s right after installing)."""
+    from gnsslab.figures.kept import KeptPicture
+    from gnsslab.labs.north import north_lab
+
+    lab = north_lab()
+    result = lab.run()
+    for drawing in lab.drawings():
+        KeptPicture(drawing.build, drawing.width, drawing.height).png(result)
 
 
 def course_app():

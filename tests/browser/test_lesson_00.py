@@ -1,5 +1,6 @@
 """Lesson 00 in a real browser, through the real server."""
 
+import re
 import statistics
 import time
 
@@ -7,7 +8,7 @@ import pytest
 
 SLIDERS = ("Elevation mask", "Baseline length", "Carrier noise", "Code noise", "Seed")
 MOVES = 8
-PATIENCE = 15_000  # [ms], the first load imports matplotlib and compiles kernels
+PATIENCE = 60_000  # [ms], the very first load compiles kernels
 
 
 @pytest.fixture
@@ -17,7 +18,7 @@ def lesson(visit):
     def open_lesson(**how):
         page = visit("/lesson/00/", **how)
         page.get_by_role("radio", name="to about 2 degrees").click(timeout=PATIENCE)
-        page.wait_for_selector(".gl-pictures img", timeout=2 * PATIENCE)
+        page.wait_for_selector(".gl-pictures img", timeout=PATIENCE)
         return page
 
     return open_lesson
@@ -61,10 +62,6 @@ def test_each_slider_changes_the_readouts(lesson):
             before = _readouts(page)
             _slider(page, name).press(key)
             _await_change(page, before, _readouts)
-        page.get_by_role("button", name="Start", exact=True).click()
-        page.wait_for_timeout(1500)
-        if not _slider(page, "Seed").is_visible():
-            page.get_by_text("more", exact=True).click()
 
 
 def test_presets_set_the_controls_and_say_what_to_look_at(lesson):
@@ -79,13 +76,13 @@ def test_presets_set_the_controls_and_say_what_to_look_at(lesson):
 
 def test_goal_is_reached_live(lesson):
     page = lesson()
-    assert page.get_by_text("Reached.").count() == 0
+    assert page.locator(".gl-reached").count() == 0
     before = _readouts(page)
     _slider(page, "Baseline length").press("End")
     before = _await_change(page, before, _readouts)
     page.get_by_role("combobox", name="Systems").select_option(label="GPS + Galileo")
     _await_change(page, before, _readouts)
-    page.get_by_text("Reached.").first.wait_for(timeout=PATIENCE)
+    page.locator(".gl-reached").get_by_text("Reached.").wait_for(timeout=PATIENCE)
 
 
 def test_real_data_and_what_is_switched_off(lesson, dataset):
@@ -112,7 +109,7 @@ def test_own_files_by_upload(lesson, tmp_path):
         page.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
         page.wait_for_timeout(1500)
     page.locator(".gl-readouts").wait_for(timeout=PATIENCE)
-    assert "1.167" in _readouts(page)
+    assert re.search(r"Heading\s+3[45]\.\d+ deg", _readouts(page))
 
 
 @pytest.mark.parametrize("width", [390, 1280])
@@ -148,7 +145,7 @@ def test_keys_alone_suffice(visit):
     page.get_by_role("radio").first.wait_for(timeout=PATIENCE)
     _tab_to(page, "radio")
     page.keyboard.press("Space")
-    page.wait_for_selector(".gl-pictures img", timeout=2 * PATIENCE)
+    page.wait_for_selector(".gl-pictures img", timeout=PATIENCE)
     before = _readouts(page)
     _tab_to(page, "slider")
     page.keyboard.press("End")
@@ -158,36 +155,56 @@ def test_keys_alone_suffice(visit):
 def _tab_to(page, role):
     for _ in range(40):
         page.keyboard.press("Tab")
-        if page.evaluate("document.activeElement.getAttribute('role')") == role:
+        if page.evaluate(_FOCUSED_ROLE) == role:
             return
     pytest.fail(f"no {role} is reached by the tabulator key")
+
+
+_FOCUSED_ROLE = """
+() => {
+  let focused = document.activeElement;
+  while (focused.shadowRoot && focused.shadowRoot.activeElement) focused = focused.shadowRoot.activeElement;
+  return focused.getAttribute('role');
+}
+"""
 
 
 def test_latency_of_a_move(lesson, record_property, capsys):
     """From key press to new picture, for eight moves; told, not judged."""
     page = lesson()
     slider = _slider(page, "Carrier noise")
+    before = _readouts(page)
     slider.press("Home")
-    page.wait_for_timeout(1500)
-    taken = []
-    for _ in range(MOVES):
-        taken.append(page.evaluate(_TIMED_MOVE, slider.element_handle()))
-        page.wait_for_timeout(300)
+    _await_change(page, before, _readouts)
+    taken = [_timed_press(page, slider) for _ in range(MOVES)]
     record_property("latency_ms", taken)
     with capsys.disabled():
-        print(f"\nmove to new picture: median {statistics.median(taken):.0f} ms, {[round(ms) for ms in taken]}")
+        print(f"\nkey press to new picture: median {statistics.median(taken):.0f} ms, {[round(ms) for ms in taken]}")
     assert len(taken) == MOVES
 
 
-_TIMED_MOVE = """
-(slider) => new Promise((done) => {
-  const card = document.querySelector('.gl-pictures').getRootNode();
-  const shown = () => document.querySelector('.gl-pictures img').src;
-  const before = shown();
-  const start = performance.now();
-  const look = () => shown() !== before ? done(performance.now() - start) : requestAnimationFrame(look);
-  slider.focus();
-  slider.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true, composed: true}));
-  look();
-})
+def _timed_press(page, slider):
+    """Return the time [ms] from the key's event to the frame that shows another picture, by the browser's own clock."""
+    page.wait_for_timeout(400)
+    page.evaluate(_START_WATCH)
+    slider.press("ArrowRight" if float(slider.get_attribute("aria-valuenow")) < 4 else "ArrowLeft")
+    page.wait_for_function("window.glTaken !== null", timeout=PATIENCE)
+    return page.evaluate("window.glTaken")
+
+
+_START_WATCH = """
+() => {
+  const source = () => document.querySelector('.gl-pictures img')?.src;
+  const before = source();
+  window.glTaken = null;
+  window.addEventListener('keydown', () => {
+    const start = performance.now();
+    const look = () => {
+      const now = source();
+      if (now && now !== before) window.glTaken = performance.now() - start;
+      else requestAnimationFrame(look);
+    };
+    look();
+  }, {capture: true, once: true});
+}
 """
