@@ -19,14 +19,13 @@ class Inputs(NamedTuple):
 
 
 def read_inputs(master, rover, navigation, span):
-    """Read the files of a baseline and keep the epochs of the span; say what the readers set aside."""
+    """Read the files of a baseline and keep the epochs of the span."""
     from gnsslab.gnss.rinex import read_rinex_nav, read_rinex_obs
 
     readings = read_rinex_obs(master), read_rinex_obs(rover)
     _refuse_same_measurements(*readings, (master, rover))
     ephemerides = read_rinex_nav(*navigation)
     notes = (*_named(readings[0], master), *_named(readings[1], rover), *ephemerides.warnings)
-    _say(notes)
     return Inputs(*_chosen_epochs(readings, span, (master, rover)), ephemerides, (master, rover, *navigation), notes)
 
 
@@ -34,7 +33,8 @@ def _named(observations, path):
     return tuple(f"{Path(path).name}: {warning}" for warning in observations.warnings)
 
 
-def _say(notes):
+def say_notes(notes):
+    """Say on stderr what was set aside on the way: only once all went well, so that a failure stays one plain line."""
     for text in notes[:NOTES_SHOWN]:
         note(text)
     if len(notes) > NOTES_SHOWN:

@@ -50,7 +50,7 @@ def _mount(length, length_sigma, mount_heading):
 
 
 def _heading(given, files, span, solver, output, plot):
-    from gnsslab.cli.baseline import read_inputs
+    from gnsslab.cli.baseline import read_inputs, say_notes
     from gnsslab.cli.outputs import check_output, check_picture, write_provenance
     from gnsslab.cli.progress import progress_bar
     from gnsslab.cli.tables import write_attitude_csv
@@ -66,6 +66,7 @@ def _heading(given, files, span, solver, output, plot):
     if plot:
         _picture(plot, attitude)
     write_provenance([output, plot] if plot else [output], "heading", given, inputs.files, inputs.notes)
+    say_notes(inputs.notes)
     print(f"{attitude}\nwritten to {output}")
 
 

@@ -5,7 +5,6 @@ from typing import Annotated
 import typer
 
 from gnsslab.cli import options as o
-from gnsslab.cli.progress import note
 
 EXAMPLE = "Example: gnsslab rtk base.obs rover.obs base.nav -o rover.csv --static"
 EARTH_RADIUS_RANGE = 6.33e6, 6.40e6  # [m] from the lowest shore at the poles to the highest mountain at the equator, with room
@@ -57,7 +56,7 @@ def checked_position(text):
 
 
 def _rtk(given, files, span, solver, output, plot):
-    from gnsslab.cli.baseline import read_inputs
+    from gnsslab.cli.baseline import read_inputs, say_notes
     from gnsslab.cli.outputs import check_output, check_picture, write_provenance
     from gnsslab.cli.progress import progress_bar
     from gnsslab.cli.tables import write_relative_csv, write_relative_pos
@@ -76,6 +75,7 @@ def _rtk(given, files, span, solver, output, plot):
     if plot:
         _picture(plot, relative)
     write_provenance([output, plot] if plot else [output], "rtk", given, inputs.files, inputs.notes)
+    say_notes(inputs.notes)
     print(f"{relative}\nwritten to {output}")
 
 
@@ -89,7 +89,6 @@ def with_base_position(inputs, solver):
     in_header = inputs.master.header.position_ecef is not None
     source = "its RINEX header (marker plus antenna delta)" if in_header else "the mean of its single-point positions"
     words = "base at {:.4f},{:.4f},{:.4f}, from {}".format(*position, source)
-    note(words)
     return inputs._replace(notes=(*inputs.notes, words))
 
 
