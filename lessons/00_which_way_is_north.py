@@ -216,7 +216,7 @@ def _(mo):
     ## Real data
 
     Set **Data** to *real roof*. Two survey receivers stood 0.99 m apart on a roof in Japan on 24 June 2024, for
-    five minutes. The arrow turns to **193.03 degrees**, a little west of south. Nobody simulated this.
+    five minutes. The arrow turns to **193 degrees**, a little west of south. Nobody simulated this.
 
     Compare with the simulation:
 

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.patches import Circle
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from gnsslab.figures.kept import STYLE, Scene, new_figure
 from gnsslab.gnss.times import seconds_between
@@ -39,8 +39,8 @@ def build_angles(figure):
     """Lay out heading above pitch against time; show((attitude, truth)) fills them in."""
     heading_axes = figure.add_axes((0.145, 0.55, 0.83, 0.36))
     pitch_axes = figure.add_axes((0.145, 0.115, 0.83, 0.36), sharex=heading_axes)
-    heading = AnglePanel(heading_axes, "heading [deg]")
-    pitch = AnglePanel(pitch_axes, "pitch [deg]")
+    heading = AnglePanel(heading_axes, "heading [deg]", (0, 360))
+    pitch = AnglePanel(pitch_axes, "pitch [deg]", (-90, 90))
     heading_axes.tick_params(labelbottom=False)
     _legend(figure, heading)
 
@@ -61,10 +61,10 @@ def build_angles(figure):
 class AnglePanel:
     """One angle against time with its sigma band, markers by status, and the truth where it is known."""
 
-    def __init__(self, axes, label):
+    def __init__(self, axes, label, whole):
         self.axes = axes
+        self.whole = whole  # (2,) [deg], all that the angle can be
         axes.set_ylabel(label)
-        axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
         axes.xaxis.set_major_locator(MaxNLocator(6))
         self.band = axes.fill_between([0.0], [0.0], [0.0], color=BAND_COLOR, alpha=0.5, linewidth=0, label="1 sigma")
         (self.truth,) = axes.plot([], [], "--", color=TRUTH_COLOR, linewidth=1.4, label="truth")
@@ -74,13 +74,13 @@ class AnglePanel:
     @property
     def moving(self):
         """The artists that change with every result, lowest first."""
-        return (self.band, *self.dots.values(), self.truth)
+        return (self.band, self.truth, *self.dots.values())
 
     def show(self, seconds, angle, sigma, status, truth):
         """Fill in the angles [rad]; return the limits, which are the frame."""
         angle, sigma = np.degrees(angle), np.degrees(sigma)
         truth = np.full(len(seconds), np.nan) if truth is None else np.degrees(np.broadcast_to(truth, len(seconds)))
-        center, half = _scale(angle, status, truth)
+        center, half = self._show_scale(*_scale(angle, status, truth))
         angle, truth = _near(angle, center), _near(truth, center)
         solved = np.isfinite(angle)
         self.band.set_data(seconds[solved], (angle - sigma)[solved], (angle + sigma)[solved])
@@ -90,8 +90,18 @@ class AnglePanel:
             dots.set_data(seconds[chosen], np.full(chosen.sum(), 0.05) if kind == NONE else angle[chosen])
         last = float(seconds[-1]) if len(seconds) > 1 else 1.0
         self.axes.set_xlim(-0.01 * last, 1.01 * last)
-        self.axes.set_ylim(center - half, center + half)
         return center, half, last
+
+    def _show_scale(self, center, half):
+        """Set the axis to center and half width [deg], or to the whole range with round ticks where that is less; return what was set."""
+        low, high = self.whole
+        if half < (high - low) / 2:
+            self.axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+        else:
+            center, half = (low + high) / 2, (high - low) / 2
+            self.axes.yaxis.set_major_locator(FixedLocator(np.linspace(low, high, 5)))
+        self.axes.set_ylim(center - half, center + half)
+        return center, half
 
 
 def build_compass(figure):
@@ -201,12 +211,13 @@ def _typical(attitude):
 
 
 def _radius(attitude):
-    """Return the radius of the card [m]: room for the needle and for nine epochs in ten."""
+    """Return the radius of the card [m]: room for the needle, and for most epochs as long as the needle stays in sight."""
     horizontal = np.hypot(*attitude.baseline_enu[:, :2].T)
     horizontal = horizontal[np.isfinite(horizontal)]
     if horizontal.size == 0:
         return RADII[0]
-    reach = 1.1 * np.quantile(horizontal, 0.9)
+    needle = np.hypot(*_typical(attitude))
+    reach = np.clip(1.1 * np.quantile(horizontal, 0.9), 1.15 * needle, 2.5 * needle)
     return next((radius for radius in RADII if radius >= reach), float(reach))
 
 

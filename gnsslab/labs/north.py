@@ -56,7 +56,7 @@ PRESETS = (
            "The same noise, but a filter carries the whole numbers on: after the first seconds all is blue."),
     Preset("sky", "The whole sky", {"systems": "GECJ", "frequencies": 1},
            "One frequency only, but four systems: 30 satellites and more fix every second."),
-    Preset("lonely", "GPS alone, one frequency", {"frequencies": 1},
+    Preset("lonely", "One frequency", {"frequencies": 1},
            "Hardly a second is fixed. And look at the blue dots far off the line: fixed, sure of themselves, and wrong."),
     Preset("short", "Arm's length", {"length": 0.3},
            "The same millimetres on a shorter lever: heading scatters four times as much."),

@@ -1,5 +1,6 @@
 """The course in the browser: our own home page, and each lesson as a marimo app, on one port."""
 
+import os
 import socket
 import threading
 import webbrowser
@@ -12,6 +13,7 @@ from gnsslab import __version__
 from gnsslab.data.locations import project_folder
 from gnsslab.teaching.catalogue import LESSONS
 
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
 PORTS_TRIED = 50  # a taken port means the next free one, up to this many further on
 LAST_PORT = 65_535
 BROWSER_AFTER = 1.0  # [s], by then the server answers
@@ -25,6 +27,8 @@ def serve(host="127.0.0.1", port=8000, open_browser=True, say=print):
     """
     import uvicorn
 
+    if host not in LOOPBACK:
+        os.environ["GNSSLAB_COURSE_SHARED"] = "1"  # uploads only: no visitor names a path on this machine
     listener = free_socket(host, port)
     taken = listener.getsockname()[1]
     try:

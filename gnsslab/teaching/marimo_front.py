@@ -10,6 +10,7 @@ A lesson uses it in cells of one to three lines:
     result = front.run(steering.value, controls.value)
 """
 
+import os
 import shutil
 import tempfile
 import weakref
@@ -21,6 +22,7 @@ import marimo as mo
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
 
 STYLE = (Path(__file__).with_name("style.css")).read_text("utf-8")
+SHARED = "GNSSLAB_COURSE_SHARED"  # set where others than this machine's user are served: they may not name its files
 RADIO_AT_MOST = 3  # options that stand side by side; more go into a list
 
 
@@ -110,7 +112,7 @@ class LabFront:
     def _file(self, name, value):
         """Return the path of an upload, written to this session's folder, or the path that was typed."""
         if not value["upload"]:
-            return value["path"].strip()
+            return "" if SHARED in os.environ else value["path"].strip()
         upload = value["upload"][0]
         folder = self._upload_folder() / name
         folder.mkdir(exist_ok=True)
@@ -167,7 +169,8 @@ def _switch(control, value, disabled):
 
 
 def _file_or_path(control, value, disabled):
-    return mo.ui.dictionary({"upload": mo.ui.file(label="upload"), "path": mo.ui.text(label="or its path", full_width=True)})
+    path = mo.ui.text(label="or its path", full_width=True, disabled=SHARED in os.environ)
+    return mo.ui.dictionary({"upload": mo.ui.file(label="upload"), "path": path})
 
 
 _ELEMENTS = {Slider: _slider, Choice: _choice, Switch: _switch, FileOrPath: _file_or_path}
