@@ -38,7 +38,7 @@ LESSONS = (
         "school trigonometry; no satellite navigation",
         (
             "read heading and pitch off a baseline of two antennas",
-            "say why one lever arm is worth more than a better antenna",
+            "say what a longer beam buys, and what it does not",
             "tell a fixed answer from a float one, and know which to trust",
             "get heading out of your own two RINEX files with six lines",
         ),
