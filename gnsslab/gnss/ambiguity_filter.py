@@ -11,19 +11,20 @@ from typing import NamedTuple
 import numpy as np
 
 from gnsslab.core.integers import GOOD, fix_groups
-from gnsslab.core.jit import cube, kernel, kernel_indices, kernel_input, matrix, vector
+from gnsslab.core.jit import cube, integer_matrix, kernel, kernel_indices, kernel_input, matrix, vector
 from gnsslab.core.kalman import add_multiple, factor_cholesky, is_consistent, predict, solve_lower, update, worst_outlier
 
 SIGMA_NEW_AMBIGUITY = 100.0  # [m], of an ambiguity just opened at carrier minus code: above any multipath of the code
 OUTLIER_SIGMAS = 4.5  # an innocent measurement is set aside once in 150 000 times
 _SINGULAR = 1e-12  # share of the normal matrix left for the last unknown, below which there is none
 _EXCLUDED = 1e6  # factor on the variance of a measurement set aside: it no longer matters
-_NODE_LIMIT = 100_000  # of the integer search; a good epoch needs 10 to 1000
+_NODE_LIMIT = 20_000  # of the integer search; a good epoch needs 10 to 1000, and one that needs more has no clear winner
+_FIXABLE = 0.1  # cycles: the integers of noisier carriers, low or weak, are not sought; one of them would make all the others doubtful
 
 # Inside the kernels an epoch is a table with a row a channel and these columns: few arguments compile fast.
 _CODE, _PHASE, _SIGMA_CODE, _SIGMA_PHASE, _NOVELTY, _SLIP, _WAVELENGTH, _COLUMNS = 3, 4, 5, 6, 7, 8, 9, 10  # 0 to 2: design
 # The filter's results are a row an epoch.
-_FLOAT, _FIXED, _RATIO, _RESTARTED, _MISFIT, _FREEDOM, _RESULTS = 0, 12, 24, 25, 26, 27, 28
+_FLOAT, _FIXED, _RATIO, _RESTARTED, _MISFIT, _FREEDOM, _INTEGERS, _RESULTS = 0, 12, 24, 25, 26, 27, 28, 29
 
 
 class Block(NamedTuple):
@@ -57,6 +58,7 @@ class Outcome(NamedTuple):
     restarted: np.ndarray  # (T,) int, how many ambiguities the filter itself found to have slipped
     misfit: np.ndarray  # (T,) weighted sum of squared carrier residuals of the fixed solution
     freedom: np.ndarray  # (T,) what the misfit is expected to be if the sigmas are right
+    integers: np.ndarray  # (T,) how many integers were sought
 
 
 def filter_block(x, P, block):
@@ -78,14 +80,14 @@ def filter_block(x, P, block):
 
 
 def _outcome(rows):
-    b_float, Q_float, b_fixed, Q_fixed, *numbers = np.split(rows, [3, 12, 15, 24, 25, 26, 27], axis=1)
+    b_float, Q_float, b_fixed, Q_fixed, *numbers = np.split(rows, [3, 12, 15, 24, *range(25, _RESULTS)], axis=1)
     square = (len(rows), 3, 3)
     return Outcome(b_float, Q_float.reshape(square), b_fixed, Q_fixed.reshape(square), *(column[:, 0] for column in numbers))
 
 
 @kernel
 def _filter_epochs(x, P, F, Q, offset, drift, near, table, pairs):
-    """Move x, P through T epochs, in place; return a row of results an epoch (T, 28)."""
+    """Move x, P through T epochs, in place; return a row of results an epoch (T, 29)."""
     rows = matrix(len(table), _RESULTS)
     p = len(offset[0])
     for t in range(len(table)):
@@ -95,7 +97,7 @@ def _filter_epochs(x, P, F, Q, offset, drift, near, table, pairs):
         _update_by_code(x, P, p, channels, pairs, near[t])
         row[_RESTARTED] = _update_by_phase(x, P, p, channels, pairs, near[t])
         _copy_baseline(x, P, row)
-        row[_RATIO] = _fix(x, P, p, channels, pairs, near[t], row)
+        row[_RATIO] = _fix(x, P, p, channels, _fixable(channels, pairs), near[t], row)
     return rows
 
 
@@ -235,8 +237,22 @@ def _outlying_channel(C, W, pairs, k):
 
 
 @kernel
+def _fixable(channels, pairs):
+    """Return the pairs (f, 2) whose two carriers are good to a tenth of a cycle."""
+    count, chosen = 0, integer_matrix(len(pairs), 2)
+    for r in range(len(pairs)):
+        i, j = pairs[r][0], pairs[r][1]
+        worse = max(channels[i][_SIGMA_PHASE], channels[j][_SIGMA_PHASE])
+        if worse <= _FIXABLE * channels[i][_WAVELENGTH]:
+            chosen[count][0], chosen[count][1] = i, j
+            count += 1
+    return chosen[:count]
+
+
+@kernel
 def _fix(x, P, p, channels, pairs, near, row):
     """Write the fixed baseline to a row of results, in place; return the ratio, 0 where there are no integers or no baseline."""
+    row[_INTEGERS] = len(pairs)
     if len(pairs) < 3:
         return 0.0
     a_hat, Q_a = _double_difference_ambiguities(x, P, p, pairs)

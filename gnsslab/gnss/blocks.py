@@ -14,7 +14,6 @@ class Solution(NamedTuple):
 
     outcome: Outcome
     satellites: np.ndarray  # (T,) int, in at least one double difference
-    integers: np.ndarray  # (T,) int, how many double differences had their integer sought
 
 
 class _State(NamedTuple):
@@ -34,7 +33,7 @@ def run_blocks(model, path, progress=None):
     p = path.offset.shape[1]
     state = _State(np.zeros(p), np.zeros((p, p)), np.zeros(0, int))
     last_seen = np.full(c, -1)
-    outcomes, satellites, integers = [], np.zeros(T, int), np.zeros(T, int)
+    outcomes, satellites = [], np.zeros(T, int)
     for first, end in _spans(model.usable):
         channels = np.flatnonzero(model.usable[first])
         block = _block(model, path, slice(first, end), channels)
@@ -45,10 +44,9 @@ def run_blocks(model, path, progress=None):
         last_seen[channels] = end - 1
         outcomes.append(outcome)
         satellites[first:end] = len(np.unique(model.pair.satellite[channels[[*block.channel, *block.reference]]]))
-        integers[first:end] = len(block.channel)
         if progress:
             progress(end, T)
-    return Solution(Outcome(*map(np.concatenate, zip(*outcomes, strict=True))), satellites, integers)
+    return Solution(Outcome(*map(np.concatenate, zip(*outcomes, strict=True))), satellites)
 
 
 def _spans(usable):

@@ -178,7 +178,7 @@ def _positions(points):
 def _judged(solution, acceptance):
     """Return the Status (T,) of every common epoch."""
     outcome = solution.outcome
-    is_believed = outcome.ratio >= ratio_threshold(solution.integers, acceptance)
+    is_believed = outcome.ratio >= ratio_threshold(outcome.integers, acceptance)
     is_believed &= outcome.misfit <= _WORST_FIT * (outcome.freedom + 1)
     status = np.where(is_believed, Status.FIXED, Status.FLOAT).astype(np.int8)
     status[solution.satellites < FEWEST_SATELLITES] = Status.NONE
