@@ -155,7 +155,7 @@ class _Channel:
 def _common_channels(master, rover, systems, frequencies, signals):
     """Return the channels of all systems, sorted by system, carrier and satellite."""
     channels = []
-    for system in systems:
+    for system in dict.fromkeys(systems):
         if system in master.tables and system in rover.tables:
             tables = master.tables[system], rover.tables[system]
             channels += _channels_of_signals(*tables, signals) if signals else _channels_of_bands(*tables, frequencies)

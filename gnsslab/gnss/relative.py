@@ -77,7 +77,7 @@ def solve_relative(base, rover, ephemerides, *, base_position=None, static=False
     settings = Settings(**settings)
     if base_position is None:
         base_position = station_position(base, ephemerides)
-    master_ecef = np.broadcast_to(np.asarray(base_position, dtype=float), (len(base.time), 3))
+    master_ecef = np.broadcast_to(_checked_position(base_position), (len(base.time), 3))
     return _solve(base, rover, master_ecef, ephemerides, static, settings, progress)
 
 
@@ -139,6 +139,13 @@ def station_position(base, ephemerides):
     if marker is None:
         return _positions(solve_points(base, ephemerides)).mean(axis=0)
     return marker + enu_rotation(marker).T @ base.header.antenna_delta_enu
+
+
+def _checked_position(position):
+    checked = np.asarray(position, dtype=float)
+    if checked.shape != (3,) or not np.isfinite(checked).all():
+        raise ValueError(f"base_position must be three finite ECEF coordinates [m], not {position}")
+    return checked
 
 
 def _motion(settings, static):

@@ -142,6 +142,11 @@ def test_systems_differ_in_group_even_on_the_same_frequency():
     assert {name: pair.group[list(pair.satellite).index(i)] for i, name in enumerate(pair.satellites)} == {"E11": 0, "G05": 1, "G06": 1, "J02": 2}
 
 
+def test_a_system_named_twice_counts_once():
+    both = receiver({"G05": ("1C",), "G06": ("1C",), "E11": ("1C",)})
+    assert len(pair_receivers(both, both, systems="GEG").band) == 3
+
+
 def test_without_common_epochs_the_spans_are_told():
     late = receiver({"G05": ("1C",)}, milliseconds=[10_000, 11_000])
     with pytest.raises(ValueError, match="the master has 2024-06-24T08:20:00 to 2024-06-24T08:20:03, the rover 2024-06-24T08:20:10"):

@@ -329,6 +329,41 @@ def test_navigation_of_another_day(roof):
         solve_moving(*roof.observations, other)
 
 
+@pytest.mark.parametrize("position", [[1e6, 2e6], [np.nan] * 3, [[0.0, 0.0, 6.4e6]]], ids=["two", "nan", "nested"])
+def test_a_base_position_that_is_none(roof, position):
+    with pytest.raises(ValueError, match="base_position must be three finite ECEF coordinates"):
+        solved(roof, base_position=position)
+
+
+@pytest.mark.parametrize("static", [False, True])
+def test_one_epoch_is_enough(roof, static):
+    first = [keep_epochs(one, np.arange(60) == 0) for one in roof.observations]
+    solution = solve_relative(*first, roof.ephemerides, base_position=roof.truth.position_ecef[0], static=static)
+    assert solution.status.tolist() == [Status.FIXED]
+    assert np.linalg.norm(solution.baseline_enu[0] - roof.truth.baselines_enu[0, 0]) < 2 * CM
+
+
+def test_a_mask_above_all_satellites_leaves_every_epoch_without_solution(roof):
+    solution = solved(roof, mask_deg=89.0)
+    assert not solution.status.any()
+    assert np.isnan(solution.baseline_enu).all()
+
+
+def test_without_doppler_and_strength_it_goes_on(roof):
+    bare = [without(one, "DS") for one in roof.observations]
+    assert_true(solve_relative(*bare, roof.ephemerides, base_position=roof.truth.position_ecef[0]), roof)
+
+
+def without(observations, kinds):
+    """Return the observations without some kinds of measurements."""
+    tables = {}
+    for system, table in observations.tables.items():
+        kept = [i for i, code in enumerate(table.codes) if code[0] not in kinds]
+        arrays = {name: getattr(table, name)[:, kept] for name in ("value", "lli", "ssi")}
+        tables[system] = replace(table, codes=tuple(table.codes[i] for i in kept), **arrays)
+    return replace(observations, tables=tables)
+
+
 # Acceptance.
 
 
