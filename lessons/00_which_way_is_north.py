@@ -114,7 +114,8 @@ def _(controls, front, steering):
 
 
 @app.cell(hide_code=True)
-def _(mo):
+def _(mo, prediction):
+    mo.stop(prediction.value is None)
     mo.md(r"""
     **What you see.** Blue circles are *fixed*: the receiver-to-satellite distances were counted in whole wavelengths of
     19 cm, and every whole number was found. Orange triangles are *float*: the whole numbers were not found, and only

@@ -18,7 +18,7 @@ SIGMA_NEW_AMBIGUITY = 100.0  # [m], of an ambiguity just opened at carrier minus
 OUTLIER_SIGMAS = 4.5  # an innocent measurement is set aside once in 150 000 times
 _SINGULAR = 1e-12  # share of the normal matrix left for the last unknown, below which there is none
 _EXCLUDED = 1e6  # factor on the variance of a measurement set aside: it no longer matters
-_NODE_LIMIT = 20_000  # of the integer search; a good epoch needs 10 to 1000, and one that needs more has no clear winner
+_NODE_LIMIT = 50_000  # of the integer search; a good epoch needs 10 to 1000, and one that needs more has no clear winner
 _FIXABLE = 0.1  # cycles: the integers of noisier carriers, low or weak, are not sought; one of them would make all the others doubtful
 
 # Inside the kernels an epoch is a table with a row a channel and these columns: few arguments compile fast.
