@@ -8,6 +8,8 @@ from gnsslab.gnss.ambiguity_filter import Block, Outcome, filter_block
 from gnsslab.gnss.differences import difference_pairs
 from gnsslab.gnss.screening import LONGEST_GAP
 
+LONGEST_BLOCK = 600  # epochs: a day of one set of satellites comes in parts, so that memory stays small and progress is seen
+
 
 class Solution(NamedTuple):
     """The filter's results at T common epochs."""
@@ -50,9 +52,11 @@ def run_blocks(model, path, progress=None):
 
 
 def _spans(usable):
-    """Return (first, end) of each run of epochs with the same channels."""
-    bounds = np.flatnonzero((usable[1:] != usable[:-1]).any(axis=1)) + 1
-    return zip([0, *bounds.tolist()], [*bounds.tolist(), len(usable)], strict=True)
+    """Return (first, end) of each run of epochs with the same channels, the long ones in parts."""
+    changes = (np.flatnonzero((usable[1:] != usable[:-1]).any(axis=1)) + 1).tolist()
+    for first, end in zip([0, *changes], [*changes, len(usable)], strict=True):
+        for start in range(first, end, LONGEST_BLOCK):
+            yield start, min(start + LONGEST_BLOCK, end)
 
 
 def _block(model, path, span, channels):
