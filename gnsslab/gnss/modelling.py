@@ -17,6 +17,7 @@ from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.gnss.times import usual_step
 from gnsslab.gnss.weighting import information_step, sigma_code, sigma_phase
 
+_GROSS_CODE = 10_000.0  # [m]: far beyond biases between systems and any multipath; what is less the filter sets aside itself
 _HEIGHT_STEP = 10.0  # [m], over which the troposphere's slope is taken
 
 
@@ -48,14 +49,15 @@ def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise, forgets
     at_rover = _trace(pair, pair.rover, pair.time, rover_ecef, ephemerides)
     modelled = (at_rover.modelled - at_master.modelled)[:, pair.satellite]
     elevation = at_master.elevation[:, pair.satellite]
-    usable = _usable(pair, modelled, elevation, mask)
+    code = pair.rover.code - pair.master.code - modelled
+    usable = _usable(pair, modelled, elevation, mask) & ~_has_gross_code(pair, code)
     sigma = _single_difference_sigma(sigma_phase, noise, pair, elevation)
     slip = usable & (cycle_slips(pair, usable, sigma) | forgets[:, None])
     return Model(
         pair=pair,
         near=rover_ecef - master_ecef,
         design=at_rover.design[:, pair.satellite],
-        code=pair.rover.code - pair.master.code - modelled,
+        code=code,
         phase=(pair.rover.phase - pair.master.phase) * pair.wavelength - modelled,
         sigma_code=_single_difference_sigma(sigma_code, noise, pair, elevation),
         sigma_phase=sigma,
@@ -111,6 +113,18 @@ def _satellite_codes(pair, tracks):
 def _usable(pair, modelled, elevation, mask):
     measured = np.isfinite(pair.rover.code + pair.master.code + pair.rover.phase + pair.master.phase + modelled)
     return measured & (elevation >= mask) & ~has_half_cycle(pair) & ~is_shadowed(pair)
+
+
+def _has_gross_code(pair, code):
+    """Return (T, c) bool: one of the satellite's codes is kilometres off the usual one of its epoch; its time of transmission is not known then."""
+    known = np.isfinite(code).any(axis=1)
+    usual = np.zeros(len(code))
+    usual[known] = np.nanmedian(code[known], axis=1)
+    gross = np.zeros((len(code), len(pair.satellites)), dtype=bool)
+    for channel, satellite in enumerate(pair.satellite):
+        with np.errstate(invalid="ignore"):
+            gross[:, satellite] |= np.abs(code[:, channel] - usual) > _GROSS_CODE
+    return gross[:, pair.satellite]
 
 
 def _single_difference_sigma(sigma, noise, pair, elevation):

@@ -207,6 +207,13 @@ def test_slips_and_gross_errors_leave_no_trace():
     assert_true(solved(simulation), simulation, least_fixed=0.9)
 
 
+@pytest.mark.parametrize("error", [50.0, 3e3, -299_792.458, 2e7, -2e7], ids=lambda error: f"{error:.0f} m")
+@pytest.mark.parametrize("antenna", [0, 1])
+def test_a_code_wrong_by_any_amount_spoils_no_other_epoch(error, antenna):
+    simulation = simulated(systems="GE", events=(GrossError(30, "C1C", error, (antenna,), ("G11",)),))
+    assert_true(solved(simulation), simulation, least_fixed=0.98)
+
+
 def test_after_an_outage_the_fix_comes_back():
     simulation = simulated(systems="GE", events=(Outage(20, 24, (1,)),))
     solution = solved(simulation)
