@@ -60,10 +60,10 @@ def _spans(usable):
 
 
 def _block(model, path, span, channels):
-    """Return the Block of a span of epochs; the highest channel of each group in the middle of it is the reference."""
+    """Return the Block of a span of epochs; the channel of each group with the best carrier in the middle of it is the reference."""
     middle = (span.start + span.stop) // 2
     dense = np.ix_(range(span.start, span.stop), channels)
-    channel, reference = difference_pairs(model.pair.group[channels], model.elevation[middle, channels])
+    channel, reference = difference_pairs(model.pair.group[channels], -model.sigma_phase[middle, channels])
     return Block(
         F=path.F[span],
         Q=path.Q[span],
