@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 TYPICAL_CN0 = 45.0  # [dB-Hz], taken where a file gives no signal strength
+_STRONGEST = 100.0  # [dB-Hz]; more is a slip of some file, and would overflow as a power of ten
 _TRACKING_BANDWIDTH = 15.0  # [Hz], usual carrier loop
 
 
@@ -33,7 +34,7 @@ def sigma_phase(noise, elevation, cn0, wavelength):
     >>> round(float(sigma_phase(NoiseModel(), np.pi / 2, 45.0, 0.1903)) * 1e3, 2)
     4.29
     """
-    cn0 = np.where(np.isfinite(cn0) & (cn0 > 0), cn0, TYPICAL_CN0)
+    cn0 = np.where(np.isfinite(cn0) & (cn0 > 0), np.minimum(cn0, _STRONGEST), TYPICAL_CN0)
     thermal = (wavelength / (2 * np.pi)) ** 2 * _TRACKING_BANDWIDTH / 10 ** (cn0 / 10)
     return np.sqrt(noise.phase**2 + (noise.phase_horizon / np.sin(elevation)) ** 2 + thermal)
 

@@ -24,6 +24,10 @@ def test_a_missing_strength_counts_as_a_typical_one(absent):
     assert sigma_phase(NoiseModel(), 0.7, absent, L1) == sigma_phase(NoiseModel(), 0.7, TYPICAL_CN0, L1)
 
 
+def test_an_absurd_strength_overflows_nothing():
+    assert sigma_phase(NoiseModel(phase=0.003, phase_horizon=0.0), 0.7, 99999.999, L1) == pytest.approx(0.003, abs=MICROMETRE)
+
+
 @given(elevation=st.floats(0.05, 1.5), cn0=st.floats(20, 55))
 def test_lower_weaker_and_longer_waves_are_worse(elevation, cn0):
     sigma = sigma_phase(NoiseModel(), elevation, cn0, L1)
