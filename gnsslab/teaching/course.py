@@ -41,10 +41,11 @@ def serve(host="127.0.0.1", port=8000, open_browser=True, say=print):
         if open_browser:
             threading.Timer(BROWSER_AFTER, webbrowser.open, (address,)).start()
         uvicorn.Server(config).run(sockets=[listener])
-    except KeyboardInterrupt:  # uvicorn hands Ctrl-C on once it has closed everything
-        say("stopped")
+    except KeyboardInterrupt:
+        pass  # uvicorn hands Ctrl-C on once it has closed everything, unless a lesson took the signal for itself
     finally:
         listener.close()
+    say("stopped")
 
 
 def warm_up():
