@@ -11,7 +11,7 @@ import numpy as np
 from gnsslab.gnss.delays import saastamoinen
 from gnsslab.gnss.differences import Pair
 from gnsslab.gnss.frames import azimuth_elevation, enu_rotation, geodetic_from_ecef
-from gnsslab.gnss.orbits import rotate_to_reception, satellite_states
+from gnsslab.gnss.orbits import rotate_to_reception, satellite_states, select_ephemerides
 from gnsslab.gnss.screening import ages, cycle_slips, has_half_cycle, is_shadowed
 from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.gnss.times import usual_step
@@ -45,8 +45,9 @@ def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise, forgets
     only be good to some metres. Each receiver's signals are traced to their own transmission times, so receiver clocks
     apart by milliseconds do no harm.
     """
-    at_master = _trace(pair, pair.master, pair.time_master, master_ecef, ephemerides)
-    at_rover = _trace(pair, pair.rover, pair.time, rover_ecef, ephemerides)
+    index = select_ephemerides(ephemerides, pair.satellites, pair.time)  # one choice for both ends: another data set is metres off in its clock
+    at_master = _trace(pair, pair.master, pair.time_master, master_ecef, ephemerides, index)
+    at_rover = _trace(pair, pair.rover, pair.time, rover_ecef, ephemerides, index)
     modelled = (at_rover.modelled - at_master.modelled)[:, pair.satellite]
     elevation = at_master.elevation[:, pair.satellite]
     code = pair.rover.code - pair.master.code - modelled
@@ -77,8 +78,8 @@ class _Traced:
     elevation: np.ndarray  # (T, m) [rad]
 
 
-def _trace(pair, tracks, time, receiver_ecef, ephemerides):
-    states = satellite_states(ephemerides, pair.satellites, time, _satellite_codes(pair, tracks) / SPEED_OF_LIGHT)
+def _trace(pair, tracks, time, receiver_ecef, ephemerides, index):
+    states = satellite_states(ephemerides, pair.satellites, time, _satellite_codes(pair, tracks) / SPEED_OF_LIGHT, index)
     travel_time = np.linalg.norm(states.position - receiver_ecef[:, None], axis=-1) / SPEED_OF_LIGHT
     sight = rotate_to_reception(states.position, travel_time) - receiver_ecef[:, None]
     rho = np.linalg.norm(sight, axis=-1)

@@ -40,12 +40,13 @@ class SatelliteStates:
         return f"SatelliteStates: {self.index.shape[0]} epochs of {self.index.shape[1]} satellites, {(self.index >= 0).sum()} with orbits"
 
 
-def satellite_states(ephemerides, satellites, time, transit):
+def satellite_states(ephemerides, satellites, time, transit, index=None):
     """Compute positions, velocities and clocks at transmission for epochs (T,) and a sequence of m satellite names.
 
     `time` holds the receiver's tags (T,) datetime64 and `transit` (T, m) [s] is pseudorange / c, NaN where not observed.
     The satellite's clock read tag - transit when the signal left; system time of transmission is t = tag - transit - dt(t).
     The receiver's own clock error cancels in tag - pseudorange / c, so each receiver has its own times of transmission.
+    `index` (T, m) are the data sets to use; without it `select_ephemerides` chooses by the tags.
 
     Source: IS-GPS-200N sections 20.3.3.3.3.1 and 20.3.3.4.3. What is missing is NaN, with index -1; raises ValueError for
     a transit of another shape.
@@ -53,7 +54,7 @@ def satellite_states(ephemerides, satellites, time, transit):
     time = np.asarray(time, dtype="datetime64[ns]")
     transit = np.asarray(transit, dtype=float)
     _require_shape(transit, (len(time), len(satellites)))
-    index = select_ephemerides(ephemerides, satellites, time)
+    index = select_ephemerides(ephemerides, satellites, time) if index is None else index
     is_known = (index >= 0) & np.isfinite(transit)
     row, epoch = index[is_known], np.nonzero(is_known)[0]
     elements = orbit_elements(ephemerides, row)
@@ -82,7 +83,8 @@ def select_ephemerides(ephemerides, satellites, time):
 
     The data set nearest in toe serves (the later of two equally near), if not older than its system allows; Galileo's I/NAV
     goes before F/NAV. If it calls its satellite unhealthy there is none: an older healthy one would overrule the warning.
-    Chosen by the epoch's label, not by the time of transmission, so that both ends of a baseline choose alike.
+    Chosen by the epoch's label, not by the time of transmission. Two receivers' labels of one epoch may lie on either side of
+    the moment of change, so for a baseline choose once, for both ends.
     """
     time = np.asarray(time, dtype="datetime64[ns]")
     index = np.full((len(time), len(satellites)), -1)

@@ -17,6 +17,7 @@ from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.points import solve_points
 from gnsslab.gnss.relative import Status, ratio_threshold, solve_moving, solve_relative, station_position
 from gnsslab.gnss.selection import keep_epochs
+from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.simulate import Clock, GrossError, Outage, Slip, Turntable, observe, prepare_geometry
 
 MM, CM, MICROMETRE = 1e-3, 1e-2, 1e-6  # [m]
@@ -187,6 +188,34 @@ def test_receiver_clocks_apart_by_milliseconds_do_no_harm(clocks):
     simulation = simulated(systems="GE", clocks=clocks)
     assert_true(solved(simulation), simulation)
     assert_true(solved(simulation, solve_moving), simulation)
+
+
+def test_tags_on_either_side_of_a_change_of_ephemerides_do_no_harm():
+    simulation = simulated(systems="G", start="2024-06-24T08:59:30")
+    changed = _with_other_clocks_from(simulation.ephemerides, np.datetime64("2024-06-24T10:00:00"))
+    master, rover = simulation.observations
+    options = {"base_position": simulation.truth.position_ecef[0]}
+    same, apart = (solve_relative(master, receiver, changed, **options) for receiver in (rover, _tagged_earlier(rover, 1e-3)))
+    assert (same.status == Status.FIXED).all()
+    assert (apart.status == Status.FIXED).all()
+    np.testing.assert_allclose(apart.baseline_ecef, same.baseline_ecef, rtol=0, atol=MICROMETRE)
+
+
+def _with_other_clocks_from(ephemerides, toe):
+    """Return the ephemerides with satellite clocks up to 1.2 m off in the data sets from `toe` on, as real ones are."""
+    off = (ephemerides.toe >= toe) * 1e-9 * np.array([int(name[1:]) % 5 for name in ephemerides.satellite])
+    return replace(ephemerides, af0=ephemerides.af0 + off)
+
+
+def _tagged_earlier(observations, seconds):
+    """Return the same measurements by a receiver whose clock is late: tags and codes are less by as much."""
+    time = observations.time - np.timedelta64(round(seconds * 1e9), "ns")
+    return replace(observations, time=time, tables={system: _codes_less(table, seconds) for system, table in observations.tables.items()})
+
+
+def _codes_less(table, seconds):
+    is_code = np.array([code[0] == "C" for code in table.codes])
+    return replace(table, value=table.value - SPEED_OF_LIGHT * seconds * is_code)
 
 
 def test_a_turning_rover_is_followed():
