@@ -60,12 +60,12 @@ if COMPILED:
         return np.zeros((rows, columns), dtype=np.int64)
 
     def kernel_input(array):
-        """Prepare an array for a kernel: float64, C-contiguous; no copy where it is that already."""
-        return np.ascontiguousarray(array, dtype=np.float64)
+        """Prepare an array for a kernel: float64, C-contiguous, writeable (else kernels are compiled once more); no copy where it is that already."""
+        return np.require(array, np.float64, "CW")
 
     def kernel_indices(array):
-        """Prepare an array of indices for a kernel: int64, C-contiguous."""
-        return np.ascontiguousarray(array, dtype=np.int64)
+        """Prepare an array of indices for a kernel: int64, C-contiguous, writeable."""
+        return np.require(array, np.int64, "CW")
 
 else:
 

@@ -20,7 +20,7 @@ class NoiseModel:
     phase: float = 0.003  # [m], the same at every elevation
     phase_horizon: float = 0.003  # [m], divided by sin(elevation)
     code_ratio: float = 100.0  # sigma of the code over sigma of the carrier
-    correlated_share: float = 2 / 3  # of the carrier's variance, multipath that lasts
+    correlated_share: float = 0.75  # of the carrier's variance, multipath that lasts
     correlation_time: float = 60.0  # [s], for which it lasts
     novelty_time: float = 10.0  # [s], the same as the filter believes it: longer is safer, but integers take longer to be found
 
