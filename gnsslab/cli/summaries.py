@@ -3,6 +3,7 @@
 import numpy as np
 
 from gnsslab.gnss.observations import HALF_CYCLE, SLIP
+from gnsslab.gnss.orbits import is_healthy
 from gnsslab.gnss.rinex.errors import RinexError, quoted
 from gnsslab.gnss.rinex.text import read_bytes
 from gnsslab.gnss.signals import SYSTEM_NAMES, USED_SYSTEMS
@@ -123,7 +124,7 @@ def _data_sets(ephemerides):
     for system in _in_order(set(systems.tolist())):
         own = systems == system
         names = dict.fromkeys(ephemerides.satellite[own].tolist())
-        unhealthy = dict.fromkeys(ephemerides.satellite[own & (ephemerides.health != 0)].tolist())
+        unhealthy = dict.fromkeys(ephemerides.satellite[own & ~is_healthy(ephemerides)].tolist())
         lines.append(f"{SYSTEM_NAMES[system]:8} {own.sum():4} data sets of {len(names)} satellites: {' '.join(names)}")
         if unhealthy:
             lines.append(f"{'':8}      unhealthy at some time: {' '.join(unhealthy)}")

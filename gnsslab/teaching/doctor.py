@@ -92,7 +92,7 @@ def lessons():
         count = len(list(project_folder("lessons").glob("[0-9][0-9]_*.py")))
     except FileNotFoundError as error:
         return Finding("broken", str(error))
-    return Finding("well" if count else "broken", f"{count} lessons" if count else "no lessons found: install gnsslab again")
+    return Finding("well" if count else "broken", f"{count} lesson{'s' * (count > 1)}" if count else "no lessons found: install gnsslab again")
 
 
 def cache():
