@@ -50,6 +50,8 @@ def add_multiple(row, other, factor):
 def factor_cholesky(S):
     """Replace a symmetric positive definite S (k, k) by its lower triangular factor C, C C' = S; only the lower half is read and written.
 
+    Where rounding leaves nothing above zero of a diagonal entry, it and its column become 0: the sign of a singular S.
+
     >>> import numpy as np
     >>> S = np.array([[4.0, 2.0], [2.0, 10.0]])
     >>> factor_cholesky(S)
@@ -62,11 +64,11 @@ def factor_cholesky(S):
             S_j, rest = S[j], S_i[j]
             for k in range(j):
                 rest -= S_i[k] * S_j[k]
-            S_i[j] = rest / S_j[j]
+            S_i[j] = rest / S_j[j] if S_j[j] > 0.0 else 0.0
         rest = S_i[i]
         for k in range(i):
             rest -= S_i[k] * S_i[k]
-        S_i[i] = math.sqrt(rest)
+        S_i[i] = math.sqrt(max(rest, 0.0))
 
 
 @kernel
