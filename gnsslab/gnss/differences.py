@@ -10,7 +10,7 @@ import numpy as np
 
 from gnsslab.gnss.dense import signal_arrays
 from gnsslab.gnss.observations import SLIP
-from gnsslab.gnss.signals import BANDS, USED_SYSTEMS, tracking_letters, wavelength
+from gnsslab.gnss.signals import BANDS, USED_SYSTEMS, check_systems, tracking_letters, wavelength
 
 TAG_TOLERANCE = np.timedelta64(25, "ms")  # two receivers' tags of one epoch differ by their clocks: up to some milliseconds
 
@@ -95,8 +95,9 @@ def pair_receivers(master, rover, systems=USED_SYSTEMS, frequencies=2, signals=N
 
     `frequencies` counts the bands of each system, first ones first (signals.BANDS); `signals`, RINEX observation codes
     such as "C2I", names them instead. The same tracking letter at both ends is preferred, as it leaves no code bias.
-    Raises ValueError when there is no common epoch or no common satellite.
+    Raises ValueError when there is no common epoch or no common satellite, or for a system without orbits.
     """
+    check_systems(systems)
     epoch_master, epoch = common_epochs(master.time, rover.time)
     if not len(epoch):
         raise ValueError(f"no common epochs: the master has {_span(master)}, the rover {_span(rover)}; give two files of one session")

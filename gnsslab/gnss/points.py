@@ -15,7 +15,7 @@ from gnsslab.gnss.dense import single_frequency_codes
 from gnsslab.gnss.frames import geodetic_from_ecef
 from gnsslab.gnss.point_model import locate, sky_of
 from gnsslab.gnss.point_reasons import no_solution_reasons
-from gnsslab.gnss.signals import SYSTEM_NAMES, USED_SYSTEMS
+from gnsslab.gnss.signals import USED_SYSTEMS, check_systems
 from gnsslab.gnss.velocity import solve_velocity
 
 _CHUNK = 512  # epochs solved together: their arrays of 15 satellites stay within a processor's cache
@@ -117,13 +117,7 @@ def dilution_of_precision(u_enu, used):
 
 
 def _check(systems, mask_deg):
-    for letter in systems:
-        if letter in "RSI":
-            raise ValueError(f"{SYSTEM_NAMES[letter]} ({letter}) is read but has no orbits here: choose among {', '.join(USED_SYSTEMS)}")
-        if letter not in USED_SYSTEMS:
-            raise ValueError(f"unknown system {letter!r}: choose among {', '.join(USED_SYSTEMS)}")
-    if not systems:
-        raise ValueError(f"no system is given: choose among {', '.join(USED_SYSTEMS)}")
+    check_systems(systems)
     if not -90 <= mask_deg < 90:
         raise ValueError(f"the elevation mask must be between -90 and 90 degrees, {mask_deg:g} was given")
 

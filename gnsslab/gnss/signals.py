@@ -65,3 +65,17 @@ def tracking_letters(system, band):
     'QXI'
     """
     return _TRACKING.get(system + band, "")
+
+
+def check_systems(systems):
+    """Raise ValueError where a letter is no system that can be used here, or none is given.
+
+    >>> check_systems("GE")
+    """
+    for letter in systems:
+        if letter in SYSTEM_NAMES and letter not in USED_SYSTEMS:
+            raise ValueError(f"{SYSTEM_NAMES[letter]} ({letter}) is read but has no orbits here: choose among {', '.join(USED_SYSTEMS)}")
+        if letter not in USED_SYSTEMS:
+            raise ValueError(f"unknown system {letter!r}: choose among {', '.join(USED_SYSTEMS)}")
+    if not systems:
+        raise ValueError(f"no system is given: choose among {', '.join(USED_SYSTEMS)}")

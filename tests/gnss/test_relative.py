@@ -357,6 +357,12 @@ def test_no_common_satellites(roof):
         solved(roof, systems="C")
 
 
+@pytest.mark.parametrize(("systems", "words"), [("GR", "GLONASS .R. is read but has no orbits"), ("X", "unknown system 'X'"), ("", "no system")])
+def test_a_system_that_cannot_be_used(roof, systems, words):
+    with pytest.raises(ValueError, match=words):
+        solved(roof, systems=systems)
+
+
 def test_navigation_of_another_day(roof):
     other = prepare_geometry(short_preset(systems="GE", start="2024-06-20T08:20:00")).tracks.ephemerides
     with pytest.raises(ValueError, match=r"no position at any epoch: .* those given are for 2024-06-20"):
