@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 TYPICAL_CN0 = 45.0  # [dB-Hz], taken where a file gives no signal strength
+_WEAKEST = 10.0  # [dB-Hz]; no carrier is tracked below: such numbers are classes 1 to 9 or a receiver's own units, and count as missing
 _STRONGEST = 100.0  # [dB-Hz]; more is a slip of some file, and would overflow as a power of ten
 _TRACKING_BANDWIDTH = 15.0  # [Hz], usual carrier loop
 
@@ -29,12 +30,12 @@ def sigma_phase(noise, elevation, cn0, wavelength):
     """Return the standard deviation of the carrier [m], broadcast over elevation [rad], C/N0 [dB-Hz] and wavelength [m].
 
     sigma^2 = a^2 + b^2 / sin^2 el + (lambda / 2 pi)^2 B / 10^(C/N0 / 10); B = 15 Hz (Kaplan and Hegarty 2006, equation 5.9, without
-    squaring loss). A missing C/N0 counts as 45 dB-Hz, at which the last term is 0.7 mm on L1.
+    squaring loss). A missing C/N0, or one below 10 dB-Hz, counts as 45 dB-Hz, at which the last term is 0.7 mm on L1.
 
     >>> round(float(sigma_phase(NoiseModel(), np.pi / 2, 45.0, 0.1903)) * 1e3, 2)
     4.29
     """
-    cn0 = np.where(np.isfinite(cn0) & (cn0 > 0), np.minimum(cn0, _STRONGEST), TYPICAL_CN0)
+    cn0 = np.where(np.isfinite(cn0) & (cn0 >= _WEAKEST), np.minimum(cn0, _STRONGEST), TYPICAL_CN0)
     thermal = (wavelength / (2 * np.pi)) ** 2 * _TRACKING_BANDWIDTH / 10 ** (cn0 / 10)
     return np.sqrt(noise.phase**2 + (noise.phase_horizon / np.sin(elevation)) ** 2 + thermal)
 

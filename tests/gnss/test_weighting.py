@@ -19,7 +19,7 @@ def test_the_carriers_variance_is_the_sum_of_its_three_parts():
     assert sigma_phase(NoiseModel(phase=0.0, phase_horizon=0.0), 1.0, 35.0, L1) == pytest.approx(0.002086, abs=MICROMETRE)
 
 
-@pytest.mark.parametrize("absent", [np.nan, 0.0, -1.0])
+@pytest.mark.parametrize("absent", [np.nan, 0.0, -1.0, 7.0], ids=str)
 def test_a_missing_strength_counts_as_a_typical_one(absent):
     assert sigma_phase(NoiseModel(), 0.7, absent, L1) == sigma_phase(NoiseModel(), 0.7, TYPICAL_CN0, L1)
 
