@@ -11,6 +11,7 @@ import numpy as np
 from gnsslab.gnss.dense import signal_arrays
 from gnsslab.gnss.observations import SLIP
 from gnsslab.gnss.signals import BANDS, USED_SYSTEMS, check_systems, tracking_letters, wavelength
+from gnsslab.gnss.times import iso_text
 
 TAG_TOLERANCE = np.timedelta64(25, "ms")  # two receivers' tags of one epoch differ by their clocks: up to some milliseconds
 
@@ -100,7 +101,10 @@ def pair_receivers(master, rover, systems=USED_SYSTEMS, frequencies=2, signals=N
     check_systems(systems)
     epoch_master, epoch = common_epochs(master.time, rover.time)
     if not len(epoch):
-        raise ValueError(f"no common epochs: the master has {_span(master)}, the rover {_span(rover)}; give two files of one session")
+        raise ValueError(
+            f"no common epochs (tags within {TAG_TOLERANCE.astype(int)} ms): the master has {_span(master)}, the rover {_span(rover)}; "
+            "give two files of one session, sampled at the same instants"
+        )
     channels = _common_channels(master, rover, systems, frequencies, signals)
     if not channels:
         raise ValueError(
@@ -229,4 +233,4 @@ def _slips_on_the_way(lli, epochs):
 def _span(observations):
     if not len(observations.time):
         return "no epochs"
-    return f"{observations.time[0]!s:.19} to {observations.time[-1]!s:.19}"
+    return f"{iso_text(observations.time[0])} to {iso_text(observations.time[-1])}"

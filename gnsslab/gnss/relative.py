@@ -158,8 +158,8 @@ def _solve(master, rover, master_ecef, ephemerides, static, settings, progress):
     """Return Relative for all epochs of the rover, given the master's position (T_master, 3) at all of its own."""
     pair = pair_receivers(master, rover, settings.systems, settings.frequencies, settings.signals)
     letters = "".join(sorted({name[0] for name in pair.satellites}))
-    points = solve_points(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
-    master_ecef, rover_ecef = master_ecef[pair.epoch_master], _positions(points)[pair.epoch]
+    points = solve_points(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG), epochs=pair.epoch)
+    master_ecef, rover_ecef = master_ecef[pair.epoch_master], _positions(points)
     path = _motion(settings, static)(pair.time, rover_ecef - master_ecef)
     mask = np.radians(settings.mask_deg)
     model = build_model(pair, master_ecef, rover_ecef, ephemerides, mask, settings.noise, path.forgets)

@@ -149,7 +149,7 @@ def test_a_system_named_twice_counts_once():
 
 def test_without_common_epochs_the_spans_are_told():
     late = receiver({"G05": ("1C",)}, milliseconds=[10_000, 11_000])
-    with pytest.raises(ValueError, match="the master has 2024-06-24T08:20:00 to 2024-06-24T08:20:03, the rover 2024-06-24T08:20:10"):
+    with pytest.raises(ValueError, match=r"the master has 2024-06-24T08:20:00\.000 to 2024-06-24T08:20:03\.000, the rover 2024-06-24T08:20:10"):
         pair_receivers(receiver({"G05": ("1C",)}), late)
     with pytest.raises(ValueError, match="the rover no epochs"):
         pair_receivers(receiver({"G05": ("1C",)}), keep_epochs(late, np.zeros(2, dtype=bool)))

@@ -352,6 +352,13 @@ def test_no_common_epochs(roof):
         solve_relative(keep_epochs(master, early), keep_epochs(rover, late), roof.ephemerides)
 
 
+def test_epochs_half_a_second_apart_are_told_so(roof):
+    master, rover = roof.observations
+    late = replace(rover, time=rover.time + np.timedelta64(500, "ms"))
+    with pytest.raises(ValueError, match=r"within 25 ms.*20:00\.000 to .*, the rover .*20:00\.500 to .*sampled at the same instants"):
+        solve_relative(master, late, roof.ephemerides)
+
+
 def test_no_common_satellites(roof):
     with pytest.raises(ValueError, match="no common satellites"):
         solved(roof, systems="C")
