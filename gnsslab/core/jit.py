@@ -7,7 +7,10 @@ numpy arrays are six times slower than over lists. Callers pass `kernel_input(ar
 GNSSLAB_NO_NUMBA=1 in the environment switches the compiler off.
 """
 
+import hashlib
 import os
+from functools import cache
+from pathlib import Path
 
 try:
     if os.environ.get("GNSSLAB_NO_NUMBA", "0") not in ("", "0"):
@@ -25,16 +28,31 @@ def kernel(function):
     """Compile a function of scalars and arrays on its first call, and keep the result on disk for the next process.
 
     Division follows IEEE (no exception), sums keep their order: the answers are those of the uncompiled source.
-    Numba keeps the compiled code beside the source, or in the user's cache folder where that cannot be written, or in
-    NUMBA_CACHE_DIR where it is set; where no folder can be written it compiles in each process anew.
+    The compiled code is kept in a folder of the user's cache (of NUMBA_CACHE_DIR where that is set) named after the text of
+    all kernels; where no folder can be written it is compiled in each process anew.
     """
     if not COMPILED:
         return function
     options = {"error_model": "numpy", "no_cfunc_wrapper": True}  # the wrapper for C would double the smallest compilations
+    usual, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _cache_folder()
     try:
         return numba.njit(cache=True, **options)(function)
     except RuntimeError:  # "no locator available": no folder for the cache
         return numba.njit(**options)(function)
+    finally:
+        numba.config.CACHE_DIR = usual
+
+
+@cache
+def _cache_folder():
+    """Return the folder for compiled kernels: a new one for each change in any of them, as Numba looks at one file at a time."""
+    from numba.misc.appdirs import AppDirs
+
+    base = os.environ.get("NUMBA_CACHE_DIR") or AppDirs("gnsslab", appauthor=False).user_cache_dir
+    package = Path(__file__).parents[1]
+    texts = [path.read_bytes() for path in sorted([*package.glob("core/**/*.py"), *package.glob("gnss/*.py")])]
+    key = hashlib.sha256(b"".join(text for text in texts if b"@kernel" in text)).hexdigest()[:16]
+    return str(Path(base) / f"kernels-{key}")
 
 
 if COMPILED:

@@ -94,9 +94,9 @@ def difference_pairs(group, goodness):
 def pair_receivers(master, rover, systems=USED_SYSTEMS, frequencies=2, signals=None):
     """Return the Pair of two receivers' Observations: common epochs by time tag, and on each band of each satellite a signal both track.
 
-    `frequencies` counts the bands of each system, first ones first (signals.BANDS); `signals`, RINEX observation codes
-    such as "C2I", names them instead. The same tracking letter at both ends is preferred, as it leaves no code bias.
-    Raises ValueError when there is no common epoch or no common satellite, or for a system without orbits.
+    `frequencies` counts the bands of each system, in the order of signals.BANDS, leaving out what a receiver lacks; `signals`,
+    RINEX observation codes such as "C2I", names them instead. The same tracking letter at both ends is preferred, as it
+    leaves no code bias. Raises ValueError when there is no common epoch or no common satellite, or for a system without orbits.
     """
     check_systems(systems)
     epoch_master, epoch = common_epochs(master.time, rover.time)
@@ -168,13 +168,22 @@ def _common_channels(master, rover, systems, frequencies, signals):
 
 
 def _channels_of_bands(master, rover, frequencies):
-    """Return a channel for each satellite and band; of alternative bands ("21") the first that a satellite has."""
+    """Return a channel for each satellite on each of the first `frequencies` bands that both receivers have at all."""
+    channels, band = [], 0
+    for alternatives in BANDS[master.system]:
+        found = _channels_of_band(master, rover, band, alternatives) if band < frequencies else []
+        channels += found
+        band += bool(found)
+    return channels
+
+
+def _channels_of_band(master, rover, band, alternatives):
+    """Return a channel for each satellite; of alternative carriers ("21") the first one that it has."""
     chosen = {}
-    for band, alternatives in enumerate(BANDS[master.system][:frequencies]):
-        for digit in alternatives:
-            wanted = [digit + letter for letter in tracking_letters(master.system, digit)]
-            for channel in _best_pairs(master, rover, band, wanted):
-                chosen.setdefault((channel.satellite, band), channel)
+    for digit in alternatives:
+        wanted = [digit + letter for letter in tracking_letters(master.system, digit)]
+        for channel in _best_pairs(master, rover, band, wanted):
+            chosen.setdefault(channel.satellite, channel)
     return list(chosen.values())
 
 

@@ -22,6 +22,8 @@ from gnsslab.gnss.weighting import NoiseModel, inflation_of_mean
 
 FEWEST_SATELLITES = 4
 ATMOSPHERE = 1e-6  # of the baseline's length, standard deviation on each axis: what ionosphere and troposphere leave in a difference
+LARGEST_SIGMA = 30.0  # [m], of a float baseline: beyond, the codes of the epoch have not determined it
+BASE_MISPLACED = 500.0  # [m] between a base's position and its codes: each 100 m move the rover by up to a millimetre a kilometre
 _POINT_MASK_DEG = 10.0
 _WORST_FIT = 9.0  # carriers with the right integers fit each other within three times their assumed sigma, also those of cheap antennas
 _PRIOR_FREEDOM = 30.0  # epochs of a few satellites: three to ten
@@ -71,13 +73,16 @@ def solve_relative(base, rover, ephemerides, *, base_position=None, static=False
     """Return the Relative position of a rover against a base that stands still.
 
     `base_position` (3,) [m] is the base's antenna reference point in ECEF; without it `station_position` serves. With `static`
-    the rover stands still too. `settings` are those of `Settings`; `progress(done, total)` is called now and then.
-    Raises ValueError without common epochs or satellites, or where the navigation data are of another day.
+    the rover stands still too (single epochs are not averaged all the same). `settings` are those of `Settings`;
+    `progress(done, total)` is called now and then. Raises ValueError without common epochs or satellites, where the
+    navigation data are of another day, or where the base's own codes place it elsewhere.
     """
     settings = Settings(**settings)
     if base_position is None:
         base_position = station_position(base, ephemerides)
-    master_ecef = np.broadcast_to(_checked_position(base_position), (len(base.time), 3))
+    base_position = _checked_position(base_position)
+    _refuse_misplaced(base_position, base, ephemerides)
+    master_ecef = np.broadcast_to(base_position, (len(base.time), 3))
     return _solve(base, rover, master_ecef, ephemerides, static, settings, progress)
 
 
@@ -148,6 +153,16 @@ def _checked_position(position):
     return checked
 
 
+def _refuse_misplaced(position, base, ephemerides):
+    """Raise where the base's own codes, at a few of its epochs, place it far from its position."""
+    few = np.arange(0, len(base.time), max(1, len(base.time) // 5))
+    points = solve_points(base, ephemerides, epochs=few)
+    if points.is_solved.any():
+        apart = np.linalg.norm(np.nanmedian(points.position_ecef, axis=0) - position)
+        if apart > BASE_MISPLACED:
+            raise ValueError(f"the base position is {apart / 1000:.1f} km from where the base's own codes place it: give the right one")
+
+
 def _motion(settings, static):
     if settings.single_epoch:
         return motion.forgetful
@@ -167,7 +182,7 @@ def _solve(master, rover, master_ecef, ephemerides, static, settings, progress):
     status = _judged(solution, settings.acceptance)
     is_fixed = status == Status.FIXED
     outcome, factor = solution.outcome, variance_factor(solution.outcome, is_fixed)
-    if static:
+    if static and not settings.single_epoch:
         outcome = running_mean(outcome, is_fixed, usual_step(pair.time), settings.noise)
     return _relative(rover.time, pair.epoch, master_ecef, outcome, status, factor, solution.satellites)
 
@@ -188,7 +203,8 @@ def _judged(solution, acceptance):
     is_believed = outcome.ratio >= ratio_threshold(outcome.integers, acceptance)
     is_believed &= outcome.misfit <= _WORST_FIT * (outcome.freedom + 1)
     status = np.where(is_believed, Status.FIXED, Status.FLOAT).astype(np.int8)
-    status[solution.satellites < FEWEST_SATELLITES] = Status.NONE
+    is_vague = np.trace(outcome.Q_float, axis1=1, axis2=2) > LARGEST_SIGMA**2
+    status[(solution.satellites < FEWEST_SATELLITES) | (is_vague & ~is_believed)] = Status.NONE
     return status
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gnsslab.gnss.observations import HALF_CYCLE, SLIP
-from gnsslab.gnss.signals import SPEED_OF_LIGHT
+from gnsslab.gnss.signals import SEMI_CODELESS, SPEED_OF_LIGHT
 from gnsslab.gnss.times import seconds_between
 
 LONGEST_GAP = 5  # epochs a channel may be missing and still continue its count when no slip is flagged
@@ -24,15 +24,24 @@ def is_shadowed(pair):
     """Return (T, c) bool: one of the two antennas receives the signal so much weaker than the other that it comes round an edge.
 
     A diffracted carrier is longer by centimetres to decimetres, and changes slowly, so nothing else betrays it (Brunner,
-    Hartinger and Troyer 1999). The usual difference of the two receivers, the median over a group, is no loss.
+    Hartinger and Troyer 1999). The usual difference of two receivers, the median over channels tracked in the same way, is no
+    loss. Where one end tracks without the code (W, Y, D, P) and the other with it, strengths tell nothing of a shadow.
     """
     loss = pair.rover.cn0 - pair.master.cn0
-    for group in np.unique(pair.group):
-        members = pair.group == group
+    ways = np.array([f"{group} {a} {b}" for group, a, b in zip(pair.group, pair.signal_master, pair.signal_rover, strict=True)])
+    for way in np.unique(ways):
+        members = ways == way
         known = loss[:, members][np.isfinite(loss[:, members])]
         loss[:, members] -= np.median(known) if len(known) else 0.0
     with np.errstate(invalid="ignore"):
-        return np.abs(loss) > SHADOW_LOSS
+        return (np.abs(loss) > SHADOW_LOSS) & ~_tracked_unlike(pair)
+
+
+def _tracked_unlike(pair):
+    """Return (c,) bool: one receiver tracks the channel semi-codeless, the other does not."""
+    ends = (pair.signal_master, pair.signal_rover)
+    master, rover = (np.array([signal[1] in SEMI_CODELESS for signal in signals], dtype=bool) for signals in ends)
+    return master != rover
 
 
 def cycle_slips(pair, usable, sigma):

@@ -27,6 +27,8 @@ _FREQUENCY = {
 # First, second and third band of each system; where two stand together, the second serves satellites without the first.
 BANDS = {"G": ("1", "2", "5"), "J": ("1", "2", "5"), "E": ("1", "5", "7"), "C": ("21", "6", "75")}
 
+SEMI_CODELESS = "WYDPMN"  # tracking letters of encrypted signals, received weaker and the more so the lower the satellite
+
 # Tracking letters, best first: civil data and pilot channels before semi-codeless ones where both are sent,
 # but on GPS L2 the W signal first, as every GPS satellite has it and L2C came only with Block IIR-M.
 _TRACKING = {

@@ -10,6 +10,8 @@ import numpy as np
 from gnsslab.core.rotations import heading_pitch_of
 from gnsslab.gnss.relative import Status, solve_moving
 
+CONTRADICTION = 5.0  # sigma between the measured and the known length: an innocent epoch fails once in two million times
+
 
 @dataclass(frozen=True, eq=False)
 class Attitude:
@@ -43,18 +45,24 @@ def dual_antenna_attitude(master, rover, ephemerides, *, length=None, length_sig
     `length` [m], with `length_sigma` [m], is the known distance between the antennas, entered as one more measurement;
     `mount_heading` [rad] is where the baseline points when the vehicle heads north. `settings` are those of
     `gnss.relative.Settings`: systems, frequencies or signals, mask_deg, single_epoch...
-    Raises ValueError without common epochs or satellites, or for a length or sigma that is not positive.
+    A fixed epoch that the length contradicts becomes float, its baseline as measured: either its integers are wrong or the tape is.
+    Raises ValueError without common epochs or satellites, for a length or sigma that is not positive, or where the length
+    contradicts most fixed epochs.
     """
     _check_length(length, length_sigma)
     relative = solve_moving(master, rover, ephemerides, progress=progress, **settings)
     baseline, Q = relative.baseline_enu, relative.Q_enu
+    status = relative.status
     if length is not None:
-        baseline, Q = with_known_length(baseline, Q, length, length_sigma)
+        status = _where_length_fits(relative, length, length_sigma)
+        fits = (status == relative.status)[:, None]
+        b_known, Q_known = with_known_length(baseline, Q, length, length_sigma)
+        baseline, Q = np.where(fits, b_known, baseline), np.where(fits[..., None], Q_known, Q)
     heading, pitch = heading_pitch_of(baseline)
     sigma_heading, sigma_pitch = angle_sigmas(baseline, Q)
     return Attitude(
         time=relative.time,
-        status=relative.status,
+        status=status,
         heading=(heading - mount_heading) % (2 * np.pi),
         pitch=pitch,
         length=np.linalg.norm(baseline, axis=-1),
@@ -90,7 +98,7 @@ def with_known_length(baseline, Q, length, length_sigma):
     """Return baselines (..., 3) and covariances (..., 3, 3) after the pseudo-observation |b| = length [m] (paper A, (14), mended (16), (32)).
 
     z = l - |b|,  H = b' / |b|,  R = sigma^2. Where the baseline is not known better than a tenth of its length the linearised
-    row would point anywhere (papers's guard: tr Q / 3 < (0.1 l)^2), and the epoch stays as it is.
+    row would point anywhere (the paper's guard: tr Q / 3 < (0.1 l)^2), and the epoch stays as it is.
 
     >>> b, Q = with_known_length(np.array([0.0, 1.01, 0.0]), np.diag([1e-4, 1e-4, 1e-4]), 1.0, 0.005)
     >>> b.round(4).tolist(), round(float(Q[1, 1]) ** 0.5, 5)
@@ -107,8 +115,22 @@ def with_known_length(baseline, Q, length, length_sigma):
     return np.where(sure[..., None], updated, baseline), np.where(sure[..., None, None], Q_updated, Q)
 
 
+def _where_length_fits(relative, length, length_sigma):
+    """Return the status (T,) with fixed epochs made float where |b| and the length differ by more than five of their sigma."""
+    norm = np.linalg.norm(relative.baseline_enu, axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        H = relative.baseline_enu / norm[:, None]
+        sigma = np.sqrt(np.einsum("ti,tij,tj->t", H, relative.Q_enu, H) + length_sigma**2)
+        is_contradicted = (relative.status == Status.FIXED) & (np.abs(norm - length) > CONTRADICTION * sigma)
+    fixed = relative.status == Status.FIXED
+    if is_contradicted.sum() > fixed.sum() / 2:
+        measured = np.median(norm[fixed])
+        raise ValueError(f"the antennas are {measured:.3f} m apart by most fixed epochs, not {length:g} m: measure the length again, or leave it out")
+    return np.where(is_contradicted, np.int8(Status.FLOAT), relative.status)
+
+
 def _check_length(length, length_sigma):
-    if length is not None and not length > 0:
+    if length is not None and not 0 < length < np.inf:
         raise ValueError(f"the length between the antennas must be more than 0 m, not {length:g}; leave it out if it is not known")
     if not length_sigma > 0:
         raise ValueError(f"the sigma of the length must be more than 0 m, not {length_sigma:g}; 0.005 is a good tape measure")

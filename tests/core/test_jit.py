@@ -2,8 +2,10 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -72,3 +74,24 @@ def test_kernel_input_never_changes_the_callers_array():
     assert np.asarray(jit.kernel_input(values)).tolist() == values.tolist()
     assert np.asarray(jit.kernel_input([[1, 2]])).dtype == np.float64
     assert np.shape(jit.matrix(2, 3)) == (2, 3)
+
+
+def test_a_changed_kernel_gets_a_new_folder(tmp_path):
+    """Numba looks at each kernel's own file only: a copy of the package with one kernel changed must not find what was compiled before."""
+    package = Path(jit.__file__).parents[1]
+    for name in ("core", "gnss"):
+        shutil.copytree(package / name, tmp_path / "gnsslab" / name, ignore=shutil.ignore_patterns("__pycache__", "rinex"))
+    (tmp_path / "gnsslab" / "__init__.py").write_text("")
+    before = folder_of(tmp_path)
+    kalman = tmp_path / "gnsslab" / "core" / "kalman.py"
+    kalman.write_text(kalman.read_text() + "\n# another thought\n")
+    assert before.name.startswith("kernels-")
+    assert folder_of(tmp_path) != before
+
+
+def folder_of(place):
+    program = "from gnsslab.core import jit; print(jit._cache_folder())"
+    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": os.pathsep.join([str(place), *sys.path]), "NUMBA_CACHE_DIR": str(place / "cache")}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=60, cwd=place)
+    assert done.returncode == 0, done.stderr
+    return Path(done.stdout.strip())

@@ -246,3 +246,11 @@ def test_read_only_observations_are_enough():
             array.flags.writeable = False
     both.time.flags.writeable = both.power_failure.flags.writeable = False
     assert len(pair_receivers(both, both).time) == 4
+
+
+def test_bands_that_a_receiver_lacks_are_left_out():
+    """A receiver of E1 and E5b, B1I and B2I: two frequencies are these two, though E5a and B3I stand between them in the order."""
+    signals = {"E01": ("1C", "7Q"), "E02": ("1C", "7Q"), "C06": ("2I", "7I"), "C07": ("2I", "7I")}
+    pair = pair_receivers(receiver(signals), receiver(signals), "EC", 2)
+    assert set(zip(pair.band.tolist(), pair.signal_rover, strict=True)) == {(0, "1C"), (1, "7Q"), (0, "2I"), (1, "7I")}
+    assert set(pair_receivers(receiver(signals), receiver(signals), "EC", 1).signal_rover) == {"1C", "2I"}

@@ -467,3 +467,17 @@ def test_the_same_answers_without_compilation():
     assert compiled[1] == plain[1]
     for a, b in zip(compiled[2:], plain[2:], strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-6, atol=MICROMETRE**2)
+
+
+def test_a_base_that_stands_elsewhere_is_refused(campaign):
+    roof = campaign("matrtklib-static")
+    with pytest.raises(ValueError, match=r"the base position is 1\.7 km from where the base's own codes place it"):
+        solve_relative(roof.base, roof.rover, roof.ephemerides, base_position=roof.facts.base_position + 1000.0)
+
+
+def test_single_epochs_at_rest_are_not_averaged(campaign):
+    roof = campaign("matrtklib-static")
+    options = {"base_position": roof.facts.base_position, "systems": "G", "single_epoch": True}
+    at_rest = solve_relative(roof.base, roof.rover, roof.ephemerides, static=True, **options)
+    moving = solve_relative(roof.base, roof.rover, roof.ephemerides, **options)
+    np.testing.assert_array_equal(at_rest.baseline_enu, moving.baseline_enu)

@@ -156,6 +156,14 @@ def test_a_signal_weaker_by_a_diffraction_at_one_antenna_is_in_the_shadow(rng, s
     assert found(pair, is_shadowed(pair)) == ({(K, some_satellite, 0)} if shadowed else set())
 
 
+def test_semi_codeless_tracking_at_one_end_is_no_shadow(rng, some_satellite):
+    """W at the master and L at the rover differ by more the lower the satellite, with nothing in the way."""
+    pair, _ = simulated_pair(rng, events=(GrossError(K, "S2W", -SHADOW_LOSS - 3, (0,), (some_satellite,)),))
+    assert found(pair, is_shadowed(pair)) == {(K, some_satellite, 1)}
+    unlike = replace(pair, signal_rover=tuple(signal.replace("2W", "2L") for signal in pair.signal_rover))
+    assert not is_shadowed(unlike).any()
+
+
 def test_an_antenna_that_is_weaker_for_all_satellites_casts_no_shadow(rng):
     pair, _ = simulated_pair(rng)
     deaf = replace(pair, rover=replace(pair.rover, cn0=pair.rover.cn0 - 10.0))
