@@ -18,6 +18,29 @@ class Inputs(NamedTuple):
     notes: tuple  # what was set aside while reading, in words
 
 
+def open_inputs(files, span, output, plot):
+    """Return the Inputs of master, rover and navigation, once it is sure that the results can be written."""
+    from gnsslab.cli.outputs import check_output, check_picture
+
+    named = (files[0], files[1], *files[2])
+    check_output(output, named)
+    check_picture(plot, named)
+    return read_inputs(*files, span)
+
+
+def finish(command, given, inputs, solution, output, plot, draw):
+    """Draw the picture where one is wanted, write what made the outputs beside them, and say how it went."""
+    from gnsslab.cli.outputs import write_provenance
+
+    if plot:
+        draw(solution).savefig(plot)
+    write_provenance([output, plot] if plot else [output], command, given, inputs.files, inputs.notes)
+    say_notes(inputs.notes)
+    if not solution.status.any():
+        note("no epoch has a solution: look at both files with `gnsslab info`, and lower --mask-deg or add --systems")
+    print(f"{solution}\nwritten to {output}")
+
+
 def read_inputs(master, rover, navigation, span):
     """Read the files of a baseline and keep the epochs of the span."""
     from gnsslab.gnss.rinex import read_rinex_nav, read_rinex_obs

@@ -50,27 +50,20 @@ def _mount(length, length_sigma, mount_heading):
 
 
 def _heading(given, files, span, solver, output, plot):
-    from gnsslab.cli.baseline import read_inputs, say_notes
-    from gnsslab.cli.outputs import check_output, check_picture, write_provenance
+    from gnsslab.cli.baseline import finish, open_inputs
     from gnsslab.cli.progress import progress_bar
     from gnsslab.cli.tables import write_attitude_csv
 
-    check_output(output, (files[0], files[1], *files[2]))
-    check_picture(plot, (files[0], files[1], *files[2]))
-    inputs = read_inputs(*files, span)
+    inputs = open_inputs(files, span, output, plot)
     from gnsslab.systems.dual_antenna import dual_antenna_attitude
 
     with progress_bar("heading") as progress:
         attitude = dual_antenna_attitude(inputs.master, inputs.rover, inputs.ephemerides, **solver, progress=progress)
     write_attitude_csv(output, attitude, inputs.rover.time)
-    if plot:
-        _picture(plot, attitude)
-    write_provenance([output, plot] if plot else [output], "heading", given, inputs.files, inputs.notes)
-    say_notes(inputs.notes)
-    print(f"{attitude}\nwritten to {output}")
+    finish("heading", given, inputs, attitude, output, plot, _picture)
 
 
-def _picture(path, attitude):
+def _picture(attitude):
     from gnsslab.figures.attitude import plot_attitude
 
-    plot_attitude(attitude).savefig(path)
+    return plot_attitude(attitude)

@@ -56,27 +56,25 @@ def checked_position(text):
 
 
 def _rtk(given, files, span, solver, output, plot):
-    from gnsslab.cli.baseline import read_inputs, say_notes
-    from gnsslab.cli.outputs import check_output, check_picture, write_provenance
+    from gnsslab.cli.baseline import finish, open_inputs
     from gnsslab.cli.progress import progress_bar
-    from gnsslab.cli.tables import write_relative_csv, write_relative_pos
 
-    check_output(output, (files[0], files[1], *files[2]))
-    check_picture(plot, (files[0], files[1], *files[2]))
-    inputs = with_base_position(read_inputs(*files, span), solver)
+    inputs = with_base_position(open_inputs(files, span, output, plot), solver)
     from gnsslab.gnss.relative import solve_relative
 
     with progress_bar("rtk") as progress:
         relative = solve_relative(inputs.master, inputs.rover, inputs.ephemerides, **solver, progress=progress)
+    _write(output, relative, inputs)
+    finish("rtk", given, inputs, relative, output, plot, _picture)
+
+
+def _write(output, relative, inputs):
+    from gnsslab.cli.tables import write_relative_csv, write_relative_pos
+
     if output.lower().endswith(".pos"):
         write_relative_pos(output, relative, inputs.files)
     else:
         write_relative_csv(output, relative, inputs.rover.time)
-    if plot:
-        _picture(plot, relative)
-    write_provenance([output, plot] if plot else [output], "rtk", given, inputs.files, inputs.notes)
-    say_notes(inputs.notes)
-    print(f"{relative}\nwritten to {output}")
 
 
 def with_base_position(inputs, solver):
@@ -92,7 +90,7 @@ def with_base_position(inputs, solver):
     return inputs._replace(notes=(*inputs.notes, words))
 
 
-def _picture(path, relative):
+def _picture(relative):
     from gnsslab.figures.relative import plot_relative
 
-    plot_relative(relative).savefig(path)
+    return plot_relative(relative)
