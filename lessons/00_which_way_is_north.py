@@ -68,7 +68,7 @@ def _(mo, prediction):
 
     You said: **{prediction.value}**. Look at the picture, then come back to your answer.
 
-    Each dot is one second of measurements from both receivers, solved on its own. The picture on the right is the roof
+    Each dot is one second of measurements from both receivers, at the start each solved on its own. The picture on the right is the roof
     seen from above: the black square is the first antenna, the arrow points to the second.
     """)
     return
@@ -118,16 +118,20 @@ def _(mo, prediction):
     mo.stop(prediction.value is None)
     mo.md(r"""
     **What you see.** Blue circles are *fixed*: the receiver-to-satellite distances were counted in whole wavelengths of
-    19 cm, and every whole number was found. Orange triangles are *float*: the whole numbers were not found, and only
+    19 or 24 cm, and every whole number was found. Orange triangles are *float*: the whole numbers were not found, and only
     the coarse code measurement is left. The coarse one misses by metres. The fixed one misses by millimetres.
 
     Try these, one at a time:
 
     1. Move **Baseline length** from 0.3 m to 5 m. The millimetres stay, the degrees shrink.
     2. Move **Carrier noise**. Twice the noise, twice the scatter; and at some point the integers get lost.
-    3. Add **Systems** or **Frequencies**. More equations for the same whole numbers: the triangles go.
+    3. Add **Systems** or **Frequencies**. More distances to the same three coordinates: the triangles go.
     4. Raise the **Elevation mask**. You throw satellites away, and the triangles come back.
     5. Switch **Each second alone** off. Now a filter remembers the whole numbers, and one good second serves the next.
+
+    **And your answer?** One second is enough for a few tenths of a degree, but only where the whole numbers are found. Where
+    they are not, that second tells nothing: its error is longer than the beam. Both are true at once, and the colours tell
+    you which second is which.
     """)
     return
 
@@ -162,7 +166,7 @@ def _(mo):
 
     **Where do the millimetres come from?** A receiver can read the phase of the carrier wave to about 1 % of its
     19 cm. What it cannot see is how many whole waves lie between it and the satellite. That number is an *integer*,
-    and an integer can be found exactly. The following lessons show how.
+    and an integer can be found exactly.
     """)
     return
 
@@ -172,19 +176,19 @@ def _(mo):
     mo.md(r"""
     ## The same in six lines
 
-    Copy this. It reads two observation files and one file of orbits, and does all that the lab does.
+    Copy this. It reads two observation files and one file of orbits, and does what the lab does at its start.
 
     ```python
     import gnsslab as gl
 
     master, rover = gl.read_rinex_obs("master.obs"), gl.read_rinex_obs("rover.obs")
     orbits = gl.read_rinex_nav("broadcast.nav")
-    pose = gl.dual_antenna_attitude(master, rover, orbits, systems="G", frequencies=1, single_epoch=True)
+    pose = gl.dual_antenna_attitude(master, rover, orbits, systems="G", single_epoch=True)
     print(pose)
     gl.plot_attitude(pose).savefig("heading.png")
     ```
 
-    No files at hand? `gnsslab simulate static-baseline -o roof` writes some.
+    No files at hand? `gnsslab simulate static-baseline -o roof` writes some, of a beam of 1.167 m.
     """)
     return
 
@@ -291,12 +295,12 @@ def _(mo):
     ## What can go wrong
 
     * **A wrong fix.** The whole numbers are wrong, the sigma is small, and the heading is off by many degrees. A known
-      length catches most of them. Lesson 04 is about this.
+      length catches most of them.
     * **Multipath.** A wall beside the antenna shifts the phase by up to 5 cm, slowly. No averaging over a minute removes it.
     * **Magnetic or true north?** Satellites give true north. A compass differs by the local declination, up to 20 degrees.
     * **A steep beam.** With the beam upright there is no heading: $e$ and $n$ are nearly zero.
     * **Twisted antennas.** The electrical centre of a cheap antenna lies some millimetres off its axis. Mount both the same way round.
-    * **Roll.** Two antennas give two of three angles. Turn the beam about itself: nothing changes. Lesson 06 adds a third.
+    * **Roll.** Two antennas give two of three angles. Turn the beam about itself: nothing changes. A third antenna would tell.
 
     ## Sources
 

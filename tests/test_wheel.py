@@ -77,5 +77,15 @@ def test_the_installed_program_works_in_an_empty_folder(installed, tmp_path):
     assert PROJECT not in lessons.parents
     assert list(lessons.glob("00_*.py"))
     assert "60, one every 1 s" in call(installed / "gnsslab", "info", data / "SEPT078M1.21O.gz", cwd=tmp_path)
-    assert " lessons" in call(installed / "gnsslab", "doctor", cwd=tmp_path)
+    assert "1 lesson\n" in call(installed / "gnsslab", "doctor", cwd=tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_installed_engine_and_lesson_run_on_their_dependencies_alone(installed, tmp_path):
+    call(installed / "gnsslab", "simulate", "static-baseline", "-o", "roof", cwd=tmp_path)
+    files = [f"roof/{name}" for name in ("master.obs", "rover.obs", "broadcast.nav")]
+    answer = call(installed / "gnsslab", "heading", *files, "-o", "heading.csv", "--plot", "heading.png", "--systems", "G", cwd=tmp_path)
+    assert answer.startswith("Attitude: 300 epochs")
+    assert (tmp_path / "heading.png").stat().st_size > 10_000
+    lesson = "from gnsslab.labs.north import north_lab; print(north_lab().run().problem or 'runs')"
+    assert call(installed / "python", "-c", lesson, cwd=tmp_path) == "runs\n"

@@ -7,7 +7,7 @@ import typer
 
 from gnsslab.cli import options as o
 
-EXAMPLE = "Example: gnsslab heading base.obs rover.obs base.nav -o heading.csv --length 0.99"
+EXAMPLE = "Example: gnsslab heading master.obs rover.obs broadcast.nav -o heading.csv --length 1.167"
 
 Output = Annotated[str, typer.Option("-o", "--output", metavar="OUT.csv", help="Table to write.")]
 Length = Annotated[float | None, typer.Option("--length", metavar="M", show_default=False, help="Known distance of the antennas [m].")]
@@ -54,6 +54,8 @@ def _heading(given, files, span, solver, output, plot):
     from gnsslab.cli.progress import progress_bar
     from gnsslab.cli.tables import write_attitude_csv
 
+    if output.lower().endswith(".pos"):
+        raise ValueError(f"-o {output}: heading writes CSV; end the name in .csv (RTKLIB's format is for `gnsslab rtk`)")
     inputs = open_inputs(files, span, output, plot)
     from gnsslab.systems.dual_antenna import dual_antenna_attitude
 

@@ -10,6 +10,8 @@ AS_TYPED = {"start": "from", "end": "to"}  # options whose names on the command 
 
 def check_output(path, inputs=()):
     """Raise ValueError where a file cannot be written at `path`, or where that would overwrite an input."""
+    if not str(path).strip():
+        raise ValueError("the output has no name: give the name of a file after -o")
     path = Path(path)
     if path.is_dir():
         raise ValueError(f"the output {path} is a folder: give the name of a file in it")
@@ -31,6 +33,8 @@ def check_picture(path, inputs=()):
 
 def check_folder(path):
     """Make the folder where it is missing; raise ValueError where files cannot be written in it."""
+    if not str(path).strip():
+        raise ValueError("the output folder has no name: give one after -o")
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
     except OSError as error:

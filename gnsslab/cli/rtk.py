@@ -6,7 +6,8 @@ import typer
 
 from gnsslab.cli import options as o
 
-EXAMPLE = "Example: gnsslab rtk base.obs rover.obs base.nav -o rover.csv --static"
+EXAMPLE = "Example: gnsslab rtk master.obs rover.obs broadcast.nav -o rover.csv --static"
+MISPLACED = 30.0  # [m], more than single points err
 EARTH_RADIUS_RANGE = 6.33e6, 6.40e6  # [m] from the lowest shore at the poles to the highest mountain at the equator, with room
 
 Output = Annotated[str, typer.Option("-o", "--output", metavar="OUT.csv", help="Table to write; OUT.pos: RTKLIB's format.")]
@@ -78,16 +79,19 @@ def _write(output, relative, inputs):
 
 
 def with_base_position(inputs, solver):
-    """Fill in the base's position where none was given; return the inputs with a note on where it comes from."""
-    if solver["base_position"] is not None:
-        return inputs
-    from gnsslab.gnss.relative import station_position
+    """Fill in the base's position where none was given; return the inputs with notes on where it comes from and whether it fits."""
+    from gnsslab.gnss.relative import distance_from_codes, station_position
 
-    position = solver["base_position"] = station_position(inputs.master, inputs.ephemerides)
-    in_header = inputs.master.header.position_ecef is not None
-    source = "its RINEX header (marker plus antenna delta)" if in_header else "the mean of its single-point positions"
-    words = "base at {:.4f},{:.4f},{:.4f}, from {}".format(*position, source)
-    return inputs._replace(notes=(*inputs.notes, words))
+    notes = inputs.notes
+    if solver["base_position"] is None:
+        solver["base_position"] = station_position(inputs.master, inputs.ephemerides)
+        in_header = inputs.master.header.position_ecef is not None
+        source = "its RINEX header (marker plus antenna delta)" if in_header else "the mean of its single-point positions"
+        notes = (*notes, "base at {:.4f},{:.4f},{:.4f}, from {}".format(*solver["base_position"], source))
+    apart = distance_from_codes(solver["base_position"], inputs.master, inputs.ephemerides)
+    if apart > MISPLACED:
+        notes = (*notes, f"the base position is {apart:.0f} m from where the base's own codes place it; all positions are off by as much")
+    return inputs._replace(notes=notes)
 
 
 def _picture(relative):

@@ -17,7 +17,7 @@ def simulate(context: typer.Context, preset: Preset = None, output: Output = Non
     if list_:
         _say_presets()
         return
-    if preset is None:
+    if not preset:
         raise _missing("argument 'PRESET' (type `gnsslab simulate --list` for the names)")
     if output is None:
         raise _missing("option '-o'")

@@ -146,6 +146,15 @@ def station_position(base, ephemerides):
     return marker + enu_rotation(marker).T @ base.header.antenna_delta_enu
 
 
+def distance_from_codes(position, base, ephemerides):
+    """Return how far [m] a position (3,) lies from where the base's own codes, at a few of its epochs, place it; NaN where they do not."""
+    few = np.arange(0, len(base.time), max(1, len(base.time) // 5))
+    points = solve_points(base, ephemerides, epochs=few)
+    if not points.is_solved.any():
+        return np.nan
+    return float(np.linalg.norm(np.nanmedian(points.position_ecef, axis=0) - position))
+
+
 def _checked_position(position):
     checked = np.asarray(position, dtype=float)
     if checked.shape != (3,) or not np.isfinite(checked).all():
@@ -154,13 +163,9 @@ def _checked_position(position):
 
 
 def _refuse_misplaced(position, base, ephemerides):
-    """Raise where the base's own codes, at a few of its epochs, place it far from its position."""
-    few = np.arange(0, len(base.time), max(1, len(base.time) // 5))
-    points = solve_points(base, ephemerides, epochs=few)
-    if points.is_solved.any():
-        apart = np.linalg.norm(np.nanmedian(points.position_ecef, axis=0) - position)
-        if apart > BASE_MISPLACED:
-            raise ValueError(f"the base position is {apart / 1000:.1f} km from where the base's own codes place it: give the right one")
+    apart = distance_from_codes(position, base, ephemerides)
+    if apart > BASE_MISPLACED:
+        raise ValueError(f"the base position is {apart / 1000:.1f} km from where the base's own codes place it: give the right one")
 
 
 def _motion(settings, static):

@@ -47,13 +47,13 @@ SIMULATION_ONLY = ("carrier_noise", "length", "code_noise", "seed")
 
 PRESETS = (
     Preset("start", "Start", {},
-           "Most seconds are fixed. Their blue dots lie on one line; the orange ones are off by tens of degrees."),
+           "Most seconds are fixed. Their blue dots lie on one line; the orange ones point anywhere."),
     Preset("survey", "Survey antennas", {"carrier_noise": 1, "code_noise": 0.3},
-           "Half the noise: every second is fixed, and the scatter of heading halves."),
+           "Half the carrier noise and cleaner codes: every second is fixed, and the scatter of heading halves."),
     Preset("cheap", "Cheap antennas", {"carrier_noise": 3, "code_noise": 1.2},
            "A little more noise, and most seconds lose their whole numbers."),
     Preset("memory", "Cheap, with memory", {"carrier_noise": 3, "code_noise": 1.2, "single_epoch": False},
-           "The same noise, but a filter carries the whole numbers on: after the first seconds all is blue."),
+           "The same noise, but a filter carries the whole numbers on: once found, they stay, and all is blue."),
     Preset("sky", "The whole sky", {"systems": "GECJ", "frequencies": 1},
            "One frequency only, but four systems: 30 satellites and more fix every second."),
     Preset("lonely", "One frequency", {"frequencies": 1},
