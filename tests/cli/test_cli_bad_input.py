@@ -189,3 +189,30 @@ def test_folder_that_cannot_be_made(run, tmp_path):
     (tmp_path / "a-file").write_text("")
     assert_one_sentence(run("simulate", next(iter(PRESETS)), "-o", tmp_path / "a-file" / "x"), "cannot be made")
     assert_one_sentence(run("simulate", next(iter(PRESETS)), "-o", tmp_path / "y", "--seed", "-1"), "seed")
+
+
+@pytest.mark.parametrize("command", [("simulate", "static-baseline"), ("heading", "a.obs", "b.obs", "c.nav"), ("rtk", "a.obs", "b.obs", "c.nav")])
+def test_an_output_without_a_name(run, tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    answer = run(*command, "-o", "")
+    assert answer.status == 1
+    assert len(answer.complaint) == 1
+    assert "has no name" in answer.complaint[0]
+    assert not list(tmp_path.iterdir())
+
+
+def test_heading_under_the_name_of_another_format(run, files, tmp_path):
+    answer = run("heading", *files, "-o", tmp_path / "out.pos")
+    assert answer.status == 1
+    assert "heading writes CSV" in answer.complaint[0]
+    assert not (tmp_path / "out.pos").exists()
+
+
+def test_a_base_that_stands_a_hundred_metres_off_is_noted(run, files, tmp_path):
+    """The registry's position with x wrong by 100 m; the right one passes without a word."""
+    right = "-3959400.631,3385704.533,3667523.111"
+    assert "codes place it" not in run("rtk", *files, "-o", tmp_path / "right.csv", "--base-position", right).err
+    answer = run("rtk", *files, "-o", tmp_path / "wrong.csv", "--base-position", right.replace("59400", "59300"))
+    assert answer.status == 0
+    (note,) = [line for line in answer.err.splitlines() if "codes place it" in line]
+    assert 90 <= float(re.search(r"is (\d+) m from", note)[1]) <= 110
