@@ -82,8 +82,8 @@ def _(choose, front, mo, prediction):
 
 
 @app.cell(hide_code=True)
-def _(chosen, front, presets):
-    front.preset_row(presets, chosen())
+def _(front, presets):
+    front.preset_row(presets)
     return
 
 

@@ -40,10 +40,9 @@ class LabFront:
         """Return the presets as buttons; a press hands (preset, count) to `choose`, the setter of a mo.state."""
         return mo.ui.array([self._preset_button(preset, choose) for preset in self.lab.presets])
 
-    def preset_row(self, buttons, pressed):
-        """Return the row of preset buttons and, once one was pressed, the sentence on what to look at."""
-        look = f'<p class="gl-look" role="status">{escape(pressed[0].look_at)}</p>' if pressed else ""
-        return mo.Html(f'<div class="gl-presets">{"".join(button.text for button in buttons)}</div>{look}')
+    def preset_row(self, buttons):
+        """Return the row of preset buttons."""
+        return mo.Html(f'<div class="gl-presets">{"".join(button.text for button in buttons)}</div>')
 
     def steering(self, pressed):
         """Return the controls that decide which others have an effect."""
@@ -75,8 +74,11 @@ class LabFront:
         return self.lab.run(**settings)
 
     def view(self, result):
-        """Return readouts and pictures of a result, or the sentence that says why there are none."""
-        note = f'<p class="gl-note">{escape(result.note)}</p>' if result.note else ""
+        """Return readouts and pictures of a result, or the sentence that says why there are none.
+
+        Above them stands what to look at, as long as the controls are those of the preset pressed last.
+        """
+        note = self._look_at(result) + (f'<p class="gl-note">{escape(result.note)}</p>' if result.note else "")
         if result.problem:
             return mo.Html(f'{note}<p class="gl-problem" role="status">{escape(result.problem)}</p>')
         return mo.Html(note + _readouts(self.lab.readouts(result)) + self._images(result))
@@ -97,6 +99,12 @@ class LabFront:
         if pressed is not None and pressed is not self._pressed:
             self._pressed = pressed
             self._last = self.lab.defaults | dict(pressed[0].settings)
+
+    def _look_at(self, result):
+        """Return the pressed preset's sentence; none once a control was moved, or where other data stand in for the preset's."""
+        if self._pressed is None or result.note or self._last != self.lab.defaults | dict(self._pressed[0].settings):
+            return ""
+        return f'<p class="gl-look" role="status">{escape(self._pressed[0].look_at)}</p>'
 
     def _preset_button(self, preset, choose):
         return mo.ui.button(value=0, on_click=lambda n: n + 1, on_change=lambda n: choose((preset, n)), label=preset.label)
