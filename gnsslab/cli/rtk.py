@@ -80,18 +80,26 @@ def _write(output, relative, inputs):
 
 def with_base_position(inputs, solver):
     """Fill in the base's position where none was given; return the inputs with notes on where it comes from and whether it fits."""
-    from gnsslab.gnss.relative import distance_from_codes, station_position
+    from gnsslab.gnss.relative import distance_from_codes, header_position, station_position
 
     notes = inputs.notes
     if solver["base_position"] is None:
         solver["base_position"] = station_position(inputs.master, inputs.ephemerides)
-        in_header = inputs.master.header.position_ecef is not None
-        source = "its RINEX header (marker plus antenna delta)" if in_header else "the mean of its single-point positions"
+        source = _source(solver["base_position"], header_position(inputs.master))
         notes = (*notes, "base at {:.4f},{:.4f},{:.4f}, from {}".format(*solver["base_position"], source))
     apart = distance_from_codes(solver["base_position"], inputs.master, inputs.ephemerides)
     if apart > MISPLACED:
         notes = (*notes, f"the base position is {apart:.0f} m from where the base's own codes place it; all positions are off by as much")
     return inputs._replace(notes=notes)
+
+
+def _source(position, in_header):
+    """Say in words where the base's position comes from."""
+    if in_header is None:
+        return "the mean of its single-point positions"
+    if (position == in_header).all():
+        return "its RINEX header (marker plus antenna delta)"
+    return "the mean of its single-point positions, which contradict its RINEX header"
 
 
 def _picture(relative):

@@ -33,7 +33,6 @@ class Model:
     sigma_code: np.ndarray  # (T, c) [m], of the single difference
     sigma_phase: np.ndarray  # (T, c) [m]
     novelty: np.ndarray  # (T, c) 0 to 1, share of a measurement's information that earlier ones have not given yet
-    elevation: np.ndarray  # (T, c) [rad]
     usable: np.ndarray  # (T, c) bool: measured, healthy, above the mask, no half cycle in doubt, no shadow
     slip: np.ndarray  # (T, c) bool: the ambiguity starts anew
 
@@ -63,7 +62,6 @@ def build_model(pair, master_ecef, rover_ecef, ephemerides, mask, noise, forgets
         sigma_code=_single_difference_sigma(sigma_code, noise, pair, elevation),
         sigma_phase=sigma,
         novelty=_novelty(pair, ages(usable, slip), noise),
-        elevation=elevation,
         usable=usable,
         slip=slip,
     )

@@ -138,12 +138,18 @@ def running_mean(outcome, is_fixed, interval, noise):
 def station_position(base, ephemerides):
     """Return the ECEF position (3,) [m] of a base's antenna reference point.
 
-    It is the marker of the RINEX header plus the antenna offset given there, or the mean single-point position without a marker.
+    It is `header_position`, or the mean single-point position where the header has none or one that the base's codes contradict.
     """
-    marker = base.header.position_ecef
-    if marker is None:
+    position = header_position(base)
+    if position is None or distance_from_codes(position, base, ephemerides) > BASE_MISPLACED:
         return _positions(solve_points(base, ephemerides)).mean(axis=0)
-    return marker + enu_rotation(marker).T @ base.header.antenna_delta_enu
+    return position
+
+
+def header_position(base):
+    """Return the ECEF position (3,) [m] that the RINEX header gives, marker plus antenna offset; None without a marker."""
+    marker = base.header.position_ecef
+    return None if marker is None else marker + enu_rotation(marker).T @ base.header.antenna_delta_enu
 
 
 def distance_from_codes(position, base, ephemerides):

@@ -11,7 +11,6 @@ SECONDS_PER_WEEK = 604_800
 NANOSECOND = np.timedelta64(1, "ns")
 BDT_BEHIND_GPS = np.timedelta64(14, "s")  # GPST = BDT + 14 s (BeiDou ICD: BDT started aligned to UTC of 2006-01-01)
 BDT_WEEK_ZERO = 1356  # GPS week in which BDT week 0 begins
-GALILEO_WEEK_ZERO = 1024  # GPS week in which Galileo week 0 begins
 
 # UTC dates from which GPST - UTC has grown by one second (IERS Bulletin C).
 _LEAP_DATES = np.array(

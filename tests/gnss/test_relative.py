@@ -481,3 +481,11 @@ def test_single_epochs_at_rest_are_not_averaged(campaign):
     at_rest = solve_relative(roof.base, roof.rover, roof.ephemerides, static=True, **options)
     moving = solve_relative(roof.base, roof.rover, roof.ephemerides, **options)
     np.testing.assert_array_equal(at_rest.baseline_enu, moving.baseline_enu)
+
+
+def test_a_header_that_the_codes_contradict_is_not_believed(campaign):
+    """Some programs write a position tens of kilometres off, or that of another day: the codes then say where the base is."""
+    roof = campaign("matrtklib-static")
+    astray = replace(roof.base, header=replace(roof.base.header, position_ecef=roof.base.header.position_ecef + 5000.0))
+    assert np.linalg.norm(station_position(astray, roof.ephemerides) - roof.facts.base_position) < 5.0
+    assert (solve_relative(astray, roof.rover, roof.ephemerides).status == Status.FIXED).all()
