@@ -64,6 +64,7 @@ class Lab:
     drawings: Callable  # drawings() -> tuple of Drawing, for front ends that keep their pictures
     describe: Callable  # describe(result) -> the pictures in words
     readouts: Callable  # readouts(result) -> list of Readout
+    table: Callable  # table(result) -> {column with its unit, "heading_deg": (T,) values}, what is in the picture, for saving
     presets: tuple[Preset, ...] = ()
     goals: tuple[Goal, ...] = ()
     steering: tuple[str, ...] = ()  # names of the controls that decide which others have an effect

@@ -223,7 +223,7 @@ def north_lab():
     """Return a fresh lab with caches of its own."""
     return Lab(
         name="north", title="Which way is north?", controls=CONTROLS, presets=PRESETS, goals=GOALS,
-        compute=NorthEngine().compute, figure=figure, drawings=drawings, describe=describe, readouts=readouts,
+        compute=NorthEngine().compute, figure=figure, drawings=drawings, describe=describe, readouts=readouts, table=table,
         steering=("data",), blocked=blocked,
     )  # fmt: skip
 
@@ -286,6 +286,23 @@ def readouts(result):
         fixed,
         Readout("Length", f"{np.median(length):.3f}", "m", f"scatter {np.quantile(np.abs(length - np.median(length)), 0.683) / MM:.1f} mm"),
     ]
+
+
+def table(result):
+    """Return what is in the picture as columns."""
+    attitude = result.attitude
+    east, north, up = attitude.baseline_enu.T
+    return {
+        "time_gps": attitude.time,
+        "status": np.array(("none", "float", "fixed"))[attitude.status],
+        "heading_deg": np.degrees(attitude.heading),
+        "pitch_deg": np.degrees(attitude.pitch),
+        "east_m": east,
+        "north_m": north,
+        "up_m": up,
+        "sigma_heading_deg": np.degrees(attitude.sigma_heading),
+        "sigma_pitch_deg": np.degrees(attitude.sigma_pitch),
+    }
 
 
 def _angle(label, middle, angles):

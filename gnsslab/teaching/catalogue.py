@@ -1,6 +1,7 @@
 """The lessons of the course: title, order, time, what they need and what they give; defined here and nowhere else."""
 
 from dataclasses import dataclass
+from importlib import import_module
 
 from gnsslab.data.locations import project_folder
 
@@ -16,6 +17,7 @@ class Lesson:
     minutes: int
     needs: str  # what to know before
     gives: tuple[str, ...]  # what you will be able to do
+    labs: tuple[str, ...]  # "module:function", each returns a fresh Lab
 
     @property
     def address(self):
@@ -26,6 +28,16 @@ class Lesson:
     def path(self):
         """The lesson's notebook on this machine."""
         return project_folder("lessons") / self.file
+
+    def open_labs(self):
+        """Return fresh labs by name: a dictionary in the order of the lesson."""
+        labs = [getattr(import_module(module), function)() for module, function in (place.split(":") for place in self.labs)]
+        return {lab.name: lab for lab in labs}
+
+    @property
+    def exercises(self):
+        """The lesson's module of exercises: PREDICTION and QUESTIONS."""
+        return import_module(f"gnsslab.teaching.exercises.lesson_{self.number}")
 
 
 LESSONS = (
@@ -42,6 +54,7 @@ LESSONS = (
             "tell a fixed answer from a float one, and know which to trust",
             "get heading out of your own two RINEX files with six lines",
         ),
+        ("gnsslab.labs.north:north_lab",),
     ),
 )
 
