@@ -2,19 +2,18 @@
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 
-from gnsslab.data import DataUnavailable, fetch, find_dataset
-from gnsslab.gnss.rinex import read_rinex_nav, read_rinex_obs
+from gnsslab.data import DataUnavailable
+from gnsslab.labs.campaigns import FileReader, require_files
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.simulate import find_preset, observe, prepare_geometry, with_length
 from gnsslab.systems.dual_antenna import dual_antenna_attitude
 
 FIXED = 2
-KEPT = 4  # readings and simulations kept by one lab: enough to go back and forth
+KEPT = 4  # simulations kept by one lab: enough to go back and forth
 MM = 1e-3  # [m]
 WRONG = 0.05  # [m], a fixed epoch further than this from the truth is wrong
 PRESET = replace(find_preset("static-baseline"), bands=3)
@@ -103,8 +102,7 @@ class NorthEngine:
 
     def __init__(self):
         self._geometry = lru_cache(KEPT)(_geometry)
-        self._read_obs = lru_cache(KEPT)(_read_obs)
-        self._read_nav = lru_cache(KEPT)(_read_nav)
+        self._files = FileReader()
         self._simulated = lru_cache(KEPT)(self._simulate)
 
     def compute(self, **settings):
@@ -136,25 +134,11 @@ class NorthEngine:
         return Campaign(*simulation.observations, simulation.ephemerides, length, _truth_at_rest(simulation.truth))
 
     def _real(self):
-        folder = fetch(REAL_DATA)
-        dataset = find_dataset(REAL_DATA)
-        return self._read(folder / dataset.base, folder / dataset.rover, folder / dataset.nav[0], REAL_LENGTH)
+        return Campaign(*self._files.data_set(REAL_DATA), REAL_LENGTH)
 
-    def _mine(self, *paths):
-        missing = [label for label, path in zip(("master", "rover", "navigation"), paths, strict=True) if not path]
-        if missing:
-            raise ValueError(_missing_words(missing))
-        return self._read(*paths, None)
-
-    def _read(self, master, rover, navigation, length):
-        master, rover, navigation = (_stamped(path) for path in (master, rover, navigation))
-        return Campaign(self._read_obs(*master), self._read_obs(*rover), self._read_nav(*navigation), length)
-
-
-def _missing_words(missing):
-    if len(missing) == 1:
-        return f"your {missing[0]} file is missing: upload it, or type its path"
-    return f"your {', '.join(missing[:-1])} and {missing[-1]} files are missing: upload them, or type their paths"
+    def _mine(self, master, rover, navigation):
+        require_files(master=master, rover=rover, navigation=navigation)
+        return Campaign(self._files.observations(master), self._files.observations(rover), self._files.ephemerides(navigation))
 
 
 def _geometry(length):
@@ -178,21 +162,6 @@ def _attitude(campaign, settings):
         mask_deg=settings["mask_deg"],
         single_epoch=settings["single_epoch"],
     )
-
-
-def _stamped(path):
-    """Return a path with its time of change and size, so that a file that changed is read again."""
-    path = Path(path)
-    state = path.stat() if path.is_file() else None
-    return path, state and (state.st_mtime_ns, state.st_size)
-
-
-def _read_obs(path, stamp):
-    return read_rinex_obs(path)
-
-
-def _read_nav(path, stamp):
-    return read_rinex_nav(path)
 
 
 def _judge_sharp(result):
