@@ -5,13 +5,10 @@ import socket
 import threading
 import webbrowser
 from contextlib import asynccontextmanager, chdir
-from html import escape
-from pathlib import Path
-from string import Template
 
-from gnsslab import __version__
 from gnsslab.data.locations import project_folder
 from gnsslab.teaching.catalogue import LESSONS
+from gnsslab.teaching.pages import home_page
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 PORTS_TRIED = 50  # a taken port means the next free one, up to this many further on
@@ -92,17 +89,6 @@ async def _sessions_end_with(apps):
             await manager.shutdown()
 
 
-def home_page():
-    """Return the home page, complete in itself: no script, no picture and no font from elsewhere."""
-    template = Template(Path(__file__).with_name("home.html").read_text("utf-8"))
-    return template.substitute(
-        first=LESSONS[0].address,
-        first_number=LESSONS[0].number,
-        lessons="\n".join(_card(lesson) for lesson in LESSONS),
-        version=__version__,
-    )
-
-
 def free_socket(host, port):
     """Return a listening socket at the port, or at the next free one.
 
@@ -129,13 +115,3 @@ def _shown(host):
     if host in ("0.0.0.0", "::"):
         return "127.0.0.1" if host == "0.0.0.0" else "[::1]"
     return f"[{host}]" if ":" in host else host
-
-
-def _card(lesson):
-    gives = "".join(f"<li>{escape(text)}</li>" for text in lesson.gives)
-    return (
-        f'<li class="lesson"><div class="number">{lesson.number}</div><div>'
-        f'<h3><a href="{lesson.address}">{escape(lesson.title)}</a></h3><p>{escape(lesson.teaser)}</p>'
-        f'<p class="meta">About {lesson.minutes} minutes. Needs {escape(lesson.needs)}.</p>'
-        f"<p>Afterwards you can</p><ul>{gives}</ul></div></li>"
-    )

@@ -1,0 +1,73 @@
+"""How far a student is in a lesson: prediction, questions and goals, counted from what was recorded."""
+
+import re
+from dataclasses import dataclass
+
+_GOAL = re.compile(r"""\.goal\(\s*["']([^"']+)["']""")  # how a lesson shows a goal: north.goal("sharp", result)
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What of one lesson is done. Its steps are the prediction, each question and each goal."""
+
+    is_predicted: bool
+    right: int  # questions answered right
+    questions: int
+    reached: int  # goals
+    goals: int
+    last: str  # time of the latest entry, "" where there is none
+
+    @property
+    def taken(self):
+        """Steps done."""
+        return self.is_predicted + self.right + self.reached
+
+    @property
+    def steps(self):
+        """Steps there are.
+
+        >>> Standing(is_predicted=True, right=2, questions=4, reached=0, goals=2, last="").steps
+        7
+        """
+        return 1 + self.questions + self.goals
+
+    @property
+    def is_begun(self):
+        """Anything at all was recorded."""
+        return bool(self.last)
+
+    @property
+    def is_done(self):
+        """Every step is done."""
+        return self.taken == self.steps
+
+
+def standing_in(lesson, entries):
+    """Return the Standing in a lesson, from the recorded entries of all lessons."""
+    own = [entry for entry in entries if entry.lesson == lesson.number]
+    questions, goals = _question_names(lesson), goals_of(lesson)
+    return Standing(
+        is_predicted=any(entry.kind == "prediction" for entry in own),
+        right=sum(entry.kind == "question" and entry.is_right is True and entry.item in questions for entry in own),
+        questions=len(questions),
+        reached=min(sum(entry.kind == "goal" and entry.is_right is True for entry in own), len(goals)),
+        goals=len(goals),
+        last=max((entry.time for entry in own), default=""),
+    )
+
+
+def goals_of(lesson):
+    """Return the names of the goals that a lesson shows, read from its file: opening its labs would load the engine.
+
+    >>> from gnsslab.teaching.catalogue import find_lesson
+    >>> goals_of(find_lesson(0))
+    ['sharp', 'frugal']
+    """
+    return list(dict.fromkeys(_GOAL.findall(lesson.path.read_text("utf-8"))))
+
+
+def _question_names(lesson):
+    try:
+        return [question.name for question in lesson.exercises.QUESTIONS]
+    except ModuleNotFoundError:  # a lesson whose exercises are still to come
+        return []
