@@ -1,23 +1,22 @@
 import marimo
 
 __generated_with = "0.25.2"
-app = marimo.App(width="medium", app_title="Which way is north?")
+app = marimo.App(width="medium", app_title="Which way is north?", html_head_file="head.html")
 
 
 @app.cell(hide_code=True)
 def _():
     import marimo as mo
 
-    from gnsslab.labs.north import north_lab
-    from gnsslab.teaching.catalogue import find_lesson
-    from gnsslab.teaching.marimo_front import LabFront, lesson_head
+    from gnsslab.teaching.marimo_front import open_lesson
 
-    return LabFront, find_lesson, lesson_head, mo, north_lab
+    lesson = open_lesson("00")
+    return lesson, mo
 
 
 @app.cell(hide_code=True)
-def _(find_lesson, lesson_head):
-    lesson_head(find_lesson("00"))
+def _(lesson):
+    lesson.head()
     return
 
 
@@ -46,27 +45,22 @@ def _(mo):
 
 
 @app.cell(hide_code=True)
-def _(mo):
-    _answers = ["not at all", "to about 20 degrees", "to about 2 degrees", "to a few tenths of a degree"]
-    prediction = mo.ui.radio(_answers, label="How well can the two receivers together tell the beam's direction, within one second?")
+def _(lesson):
+    prediction = lesson.prediction()
     prediction
     return (prediction,)
 
 
 @app.cell(hide_code=True)
-def _(LabFront, mo, north_lab):
-    front = LabFront(north_lab())
-    chosen, choose = mo.state(None)
-    return choose, chosen, front
+def _(lesson, prediction):
+    lesson.predicted(prediction)
+    return
 
 
 @app.cell(hide_code=True)
-def _(mo, prediction):
-    mo.stop(prediction.value is None, mo.md("*Choose an answer above to open the lab.*"))
-    mo.md(f"""
+def _(lesson, prediction):
+    lesson.text(prediction, r"""
     ## Play
-
-    You said: **{prediction.value}**. Look at the picture, then come back to your answer.
 
     Each dot is one second of measurements from both receivers, at the start each solved on its own. The picture on the right is the roof
     seen from above: the black square is the first antenna, the arrow points to the second.
@@ -75,48 +69,58 @@ def _(mo, prediction):
 
 
 @app.cell(hide_code=True)
-def _(choose, front, mo, prediction):
-    mo.stop(prediction.value is None)
-    presets = front.presets(choose)
+def _(lesson, mo):
+    north = lesson.lab("north")
+    chosen, choose = mo.state(None)
+    return choose, chosen, north
+
+
+@app.cell(hide_code=True)
+def _(choose, lesson, north, prediction):
+    lesson.wait(prediction)
+    presets = north.presets(choose)
+    north.preset_row(presets)
     return (presets,)
 
 
 @app.cell(hide_code=True)
-def _(front, presets):
-    front.preset_row(presets)
-    return
-
-
-@app.cell(hide_code=True)
-def _(chosen, front, mo, prediction):
-    mo.stop(prediction.value is None)
-    steering = front.steering(chosen())
+def _(chosen, lesson, north, prediction):
+    lesson.wait(prediction)
+    steering = north.steering(chosen())
     return (steering,)
 
 
 @app.cell(hide_code=True)
-def _(chosen, front, steering):
-    controls = front.controls(steering.value, chosen())
+def _(chosen, north, steering):
+    controls = north.controls(steering.value, chosen())
+    north.panel(steering, controls)
     return (controls,)
 
 
 @app.cell(hide_code=True)
-def _(controls, front, steering):
-    front.panel(steering, controls)
-    return
-
-
-@app.cell(hide_code=True)
-def _(controls, front, steering):
-    result = front.run(steering.value, controls.value)
-    front.view(result)
+def _(controls, north, steering):
+    result = north.run(steering.value, controls.value)
+    north.view(result)
     return (result,)
 
 
 @app.cell(hide_code=True)
-def _(mo, prediction):
-    mo.stop(prediction.value is None)
-    mo.md(r"""
+def _(lesson, north, prediction):
+    lesson.wait(prediction)
+    saving = north.saving()
+    north.saving_row(saving)
+    return (saving,)
+
+
+@app.cell(hide_code=True)
+def _(north, saving):
+    north.link(saving.value)
+    return
+
+
+@app.cell(hide_code=True)
+def _(lesson, prediction):
+    lesson.text(prediction, r"""
     **What you see.** Blue circles are *fixed*: the receiver-to-satellite distances were counted in whole wavelengths of
     19 or 24 cm, and every whole number was found. Orange triangles are *float*: the whole numbers were not found, and only
     the coarse code measurement is left. The coarse one misses by metres. The fixed one misses by millimetres.
@@ -204,14 +208,14 @@ def _(mo):
 
 
 @app.cell(hide_code=True)
-def _(front, result):
-    front.goal("sharp", result)
+def _(north, result):
+    north.goal("sharp", result)
     return
 
 
 @app.cell(hide_code=True)
-def _(front, result):
-    front.goal("frugal", result)
+def _(north, result):
+    north.goal("frugal", result)
     return
 
 

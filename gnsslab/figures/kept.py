@@ -5,7 +5,6 @@ drawn once and saved as pixels; a move restores them and draws the few artists o
 (limits, labels) is everything drawn again. A kept picture belongs to one session.
 """
 
-import base64
 import struct
 import zlib
 from collections.abc import Callable
@@ -104,8 +103,3 @@ def png_bytes(canvas):
 
 def _chunk(name, data):
     return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-
-
-def data_url(png):
-    """Return PNG bytes as a data: address, so that no second request is needed."""
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")

@@ -33,6 +33,18 @@ class Slider:
             raise ValueError(f"{self.label} {value:g}{self._unit} is outside {self.start:g} to {self.stop:g}{self._unit}")
         return value
 
+    def parse(self, text):
+        """Return the value that stands in a link, whole numbers as int (a seed is one); raise ValueError in words.
+
+        >>> Slider("length", "length", 0.3, 5, 0.1, 1.2, "m").parse("2.5")
+        2.5
+        """
+        try:
+            value = self.check(float(text))
+            return int(value) if value == int(value) else value
+        except ValueError:
+            raise ValueError(f"{self.label} is a number from {self.start:g} to {self.stop:g}{self._unit}, not {text!r}") from None
+
     @property
     def _unit(self):
         return f" {self.unit}" if self.unit else ""
@@ -65,6 +77,17 @@ class Choice:
             raise ValueError(f"{self.label} {value} is none of {', '.join(map(str, self.options.values()))}")
         return value
 
+    def parse(self, text):
+        """Return the value that stands in a link as its text; raise ValueError in words.
+
+        >>> Choice("frequencies", "frequencies", {"one": 1, "two": 2}, 2).parse("1")
+        1
+        """
+        for value in self.options.values():
+            if text == str(value):
+                return value
+        return self.check(text)
+
     def text_of(self, value):
         """Return what the student reads for a value."""
         return next(text for text, known in self.options.items() if known == value)
@@ -95,6 +118,14 @@ class Switch:
         if not isinstance(value, (bool, np.bool_)):
             raise ValueError(f"{self.label} is on or off (True or False), not {value!r}")
         return bool(value)
+
+    def parse(self, text):
+        """Return the value that stands in a link as "True" or "False"; raise ValueError in words.
+
+        >>> Switch("single_epoch", "each epoch alone").parse("True")
+        True
+        """
+        return self.check({"True": True, "False": False}.get(text, text))
 
     @property
     def corners(self):

@@ -1,163 +1,279 @@
-"""Any lab in marimo: controls as mo.ui elements, presets as buttons, readouts and kept pictures as HTML.
+"""A lesson in marimo: its labs as mo.ui elements, its questions, goals and prediction, in cells of one to three lines.
 
-A lesson uses it in cells of one to three lines:
-
-    front = LabFront(north_lab())
-    chosen, choose = mo.state(None)
-    presets = front.presets(choose)
-    steering = front.steering(chosen())
-    controls = front.controls(steering.value, chosen())
-    result = front.run(steering.value, controls.value)
+lesson = open_lesson("00")
+prediction = lesson.prediction()
+north = lesson.lab("north")
+chosen, choose = mo.state(None)
+presets = north.presets(choose)
+steering = north.steering(chosen())
+controls = north.controls(steering.value, chosen())
+result = north.run(steering.value, controls.value)
+north.view(result)
 """
 
 import os
-import shutil
-import tempfile
-import weakref
 from html import escape
-from pathlib import Path
 
 import marimo as mo
 
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
+from gnsslab.labs.links import settings_of
+from gnsslab.teaching import markup
+from gnsslab.teaching.catalogue import find_lesson
+from gnsslab.teaching.desk import Desk
+from gnsslab.teaching.questions import judge
+from gnsslab.teaching.saving import MIME_TYPES, link_of, saved
+from gnsslab.teaching.visitor import progress_of
 
-STYLE = (Path(__file__).with_name("style.css")).read_text("utf-8")
 SHARED = "GNSSLAB_COURSE_SHARED"  # set where others than this machine's user are served: they may not name its files
 RADIO_AT_MOST = 3  # options that stand side by side; more go into a list
+CLOSED = "*Choose an answer above to open the lab.*"
+
+
+def open_lesson(number):
+    """Return the lesson of that number, for the visitor who opened the page."""
+    query = {name: values[-1] if isinstance(values, list) else values for name, values in mo.query_params().to_dict().items()}
+    return LessonFront(find_lesson(number), progress_of(mo.app_meta().request), query)
+
+
+class LessonFront:
+    """One student's visit of one lesson: what was predicted and answered, and a front for each lab."""
+
+    def __init__(self, lesson, progress, query):
+        self.lesson = lesson
+        self.progress = progress
+        self.is_presented = query.get("mode") == "present"
+        self._query = query
+        self._labs = lesson.open_labs()
+        self._questions = {question.name: question for question in lesson.exercises.QUESTIONS}
+
+    def head(self):
+        """Return the head of the lesson and the style of everything below."""
+        problem = f'<p class="gl-note">{escape(self.progress.problem)}</p>' if self.progress.problem else ""
+        return mo.Html(f"<style>{markup.STYLE}{self._stage_style()}</style>{markup.head(self.lesson)}{problem}{self._stage_head()}")
+
+    def prediction(self):
+        """Return the options to commit to, the earlier choice marked."""
+        asked = self.lesson.exercises.PREDICTION
+        entry = self.progress.entry(self.lesson.number, asked.name)
+        chosen = entry.answer if entry is not None and entry.answer in asked.options else None
+        return mo.ui.radio(list(asked.options), chosen, label=asked.text)
+
+    def wait(self, prediction):
+        """Stop the cell until there is a prediction; in front of a class the lab is open."""
+        mo.stop(prediction.value is None and not self.is_presented)
+
+    def predicted(self, prediction):
+        """Return what was predicted, which is kept; until then the sentence that asks for it."""
+        if self.is_presented:
+            return None
+        mo.stop(prediction.value is None, mo.md(CLOSED))
+        asked = self.lesson.exercises.PREDICTION
+        self.progress.record(self.lesson.number, asked.name, "prediction", prediction.value, prediction.value == asked.answer)
+        return mo.md(f"You said: **{prediction.value}**. Look at the picture, then come back to your answer.")
+
+    def text(self, prediction, text):
+        """Return a text that would give the answer away before the prediction."""
+        self.wait(prediction)
+        return mo.md(text)
+
+    def lab(self, name):
+        """Return the front of the lab of that name."""
+        lab = self._labs[name]
+        mine = self._query.get("lab", name) == name
+        settings, problems = settings_of(lab, self._query) if mine else ({}, [])
+        front = LabFront(self, lab, settings, problems)
+        if (
+            mine
+            and self._query.get("preset") in [preset.name for preset in lab.presets]
+            and settings == dict(lab.preset(self._query["preset"]).settings)
+        ):
+            front.desk.press(lab.preset(self._query["preset"]))
+        return front
+
+    def reached(self, goal, settings):
+        """Keep that a goal was reached."""
+        self.progress.record(self.lesson.number, goal.name, "goal", settings, True)
+
+    def ask(self, name):
+        """Return the elements of a question: the answer as typed, how many hints, whether the solution is wanted."""
+        question = self._questions[name]
+        entry = self.progress.entry(self.lesson.number, name)
+        unit = f" [{question.unit}]" if question.unit else ""
+        return mo.ui.dictionary(
+            {
+                "answer": mo.ui.text(entry.answer if entry is not None else "", label=f"Your answer{unit}", placeholder="a number"),
+                "hints": _counter("Hint"),
+                "solution": _counter("Solution"),
+            }
+        )
+
+    def sheet(self, name, asked):
+        """Return a question with its fields."""
+        question = self._questions[name]
+        number = list(self._questions).index(name) + 1
+        fields = "".join(f"<span>{asked[part].text}</span>" for part in ("answer", "hints", "solution"))
+        return mo.Html(f'<div class="gl-question"><b>{number}</b>{mo.md(question.text).text}<div class="gl-fields">{fields}</div></div>')
+
+    def check(self, name, given):
+        """Return what is said of an answer, the hints asked for, and the solution once it was tried."""
+        question, verdict = self._questions[name], judge(self._questions[name], given["answer"])
+        hints = min(given["hints"], len(question.hints))
+        has_tried = verdict.is_number or hints == len(question.hints)
+        if verdict.is_number:
+            self.progress.record(self.lesson.number, name, "question", given["answer"], verdict.is_right, hints, given["solution"] > 0)
+        said = markup.verdict(verdict) if given["answer"].strip() else ""
+        told = "".join(_told(f"Hint {k}", hint) for k, hint in enumerate(question.hints[:hints], 1))
+        if given["solution"]:
+            told += _told("Solution", question.solution) if has_tried else _told("Solution", "Try once, or take both hints; then it opens.")
+        return mo.Html(f'<div class="gl-answer">{said}{told}</div>')
+
+    def _stage_style(self):
+        """Return the rules that leave only the stage on the page, while the lesson is presented."""
+        if not self.is_presented:
+            return ""
+        stage = self._query.get("lab", next(iter(self._labs)))
+        return markup.present_style(stage)
+
+    def _stage_head(self):
+        if not self.is_presented:
+            return ""
+        return markup.present_head(self.lesson, self._labs)
 
 
 class LabFront:
-    """One student's view of one lab: keeps the pictures, the uploads and the last settings of this session."""
+    """One student's view of one lab."""
 
-    def __init__(self, lab):
+    def __init__(self, lesson, lab, settings, problems):
         self.lab = lab
-        self._last = dict(lab.defaults)
+        self.desk = Desk(lab, settings)
+        self._lesson = lesson
+        self._problems = problems
         self._pressed = None
-        self._pictures = None
-        self._uploads = None
+        self._reached = set()
 
     def presets(self, choose):
         """Return the presets as buttons; a press hands (preset, count) to `choose`, the setter of a mo.state."""
         return mo.ui.array([self._preset_button(preset, choose) for preset in self.lab.presets])
 
     def preset_row(self, buttons):
-        """Return the row of preset buttons."""
-        return mo.Html(f'<div class="gl-presets">{"".join(button.text for button in buttons)}</div>')
+        """Return the row of preset buttons, the pressed one marked as long as its settings stand."""
+        names = [preset.name for preset in self.lab.presets]
+        shown = "".join(
+            f'<span class="gl-preset" data-preset="{name}" data-key="{key}">{button.text}</span>'
+            for key, (name, button) in enumerate(zip(names, buttons, strict=True), 1)
+        )
+        notes = "".join(f'<p class="gl-note">{escape(problem)}</p>' for problem in self._problems)
+        return self._staged(f'<style>{"".join(map(_mark_of_pressed, names))}</style>{notes}<div class="gl-presets">{shown}</div>')
 
     def steering(self, pressed):
         """Return the controls that decide which others have an effect."""
         self._take_preset(pressed)
-        return mo.ui.dictionary({c.name: self._element(c, "") for c in self.lab.controls if c.name in self.lab.steering})
+        return mo.ui.dictionary({c.name: self._element(c) for c in self.lab.controls if c.name in self.lab.steering})
 
     def controls(self, steering, pressed):
         """Return all other controls; those without effect under the steering values are disabled and say why."""
         self._take_preset(pressed)
-        reasons = self.lab.blocked(self._last | steering)
-        return mo.ui.dictionary({c.name: self._element(c, reasons.get(c.name, "")) for c in self._others})
+        self.desk.settings |= steering
+        return mo.ui.dictionary({c.name: self._element(c) for c in self.lab.controls if c.name not in self.lab.steering})
 
     def panel(self, steering, controls):
         """Return the steering controls and the others as one panel, the rarer ones under "more"."""
-        reasons = self.lab.blocked(self._last | steering.value)
-        shown = [*steering.items(), *controls.items()]
+        reasons = self.desk.blocked
         cells = {True: "", False: ""}
-        for name, element in shown:
+        for name, element in [*steering.items(), *controls.items()]:
             control = self.lab.control(name)
             if not (isinstance(control, FileOrPath) and name in reasons):
-                cells[control.more] += _cell(control, element, reasons.get(name, ""))
+                cells[control.more] += self._cell(control, element, reasons.get(name, ""))
         more = f'<details class="gl-more"><summary>more</summary><div class="gl-controls">{cells[True]}</div></details>'
-        return mo.Html(f'<div class="gl-controls">{cells[False]}</div>{more if cells[True] else ""}')
+        return self._staged(f'<div class="gl-controls">{cells[False]}</div>{more if cells[True] else ""}')
 
     def run(self, steering, controls):
         """Return the lab's result at the values of the controls."""
-        settings = {name: self._setting(name, value) for name, value in (steering | controls).items()}
-        self._last |= {name: value for name, value in settings.items() if not isinstance(self.lab.control(name), FileOrPath)}
-        return self.lab.run(**settings)
+        return self.desk.run({name: self._setting(name, value) for name, value in (steering | controls).items()})
 
     def view(self, result):
-        """Return readouts and pictures of a result, or the sentence that says why there are none.
+        """Return readouts and pictures of a result, or the sentence that says why there are none."""
+        return self._staged(markup.view(self.desk, result))
 
-        Above them stands what to look at, as long as the controls are those of the preset pressed last.
-        """
-        note = self._look_at(result) + (f'<p class="gl-note">{escape(result.note)}</p>' if result.note else "")
-        if result.problem:
-            return mo.Html(f'{note}<p class="gl-problem" role="status">{escape(result.problem)}</p>')
-        return mo.Html(note + _readouts(self.lab.readouts(result)) + self._images(result))
+    def saving(self):
+        """Return the elements of "save this": the files, made when asked for, and the link."""
+        files = {
+            kind: mo.download(lambda kind=kind: self._saved(kind), f"{self.lab.name}.{kind}", mime, label=kind.upper())
+            for kind, mime in MIME_TYPES.items()
+        }
+        return mo.ui.dictionary({**files, "link": _counter("Link")})
+
+    def saving_row(self, saving):
+        """Return "save this", folded."""
+        buttons = "".join(f"<span>{element.text}</span>" for element in saving.values())
+        return mo.Html(f'<details class="gl-more"><summary>save this</summary><div class="gl-presets">{buttons}</div></details>')
+
+    def link(self, saving):
+        """Return the link that brings back the controls as they are now, once it was asked for."""
+        if not saving["link"]:
+            return None
+        address = escape(link_of(self._lesson.lesson, self.desk))
+        return mo.Html(f'<p class="gl-note">This link brings back all controls and the seed: <a href="{address}" target="_self">{address}</a></p>')
 
     def goal(self, name, result):
         """Return a goal of the lab, judged: reached or not yet, and where you stand."""
         goal = self.lab.goal(name)
-        is_reached, state = goal.judge(result)
-        word, kind = ("Reached.", " gl-reached") if is_reached else ("Not yet.", "")
-        judged = f"<strong>{word}</strong> {escape(state)}"
-        return mo.Html(f'<div class="gl-goal{kind}" role="status">{escape(goal.text)}<br>{judged}</div>')
+        if name not in self._reached and goal.judge(result)[0]:
+            self._reached.add(name)
+            self._lesson.reached(goal, link_of(self._lesson.lesson, self.desk))
+        return mo.Html(markup.goal(goal, result))
 
-    @property
-    def _others(self):
-        return [control for control in self.lab.controls if control.name not in self.lab.steering]
+    def _staged(self, html):
+        """Return HTML as a part of the stage, which is all that stands in front of a class."""
+        return mo.Html(f'<div class="gl-stage" data-lab="{self.lab.name}">{html}</div>')
 
     def _take_preset(self, pressed):
         if pressed is not None and pressed is not self._pressed:
             self._pressed = pressed
-            self._last = self.lab.defaults | dict(pressed[0].settings)
-
-    def _look_at(self, result):
-        """Return the pressed preset's sentence; none once a control was moved, or where other data stand in for the preset's."""
-        if self._pressed is None or result.note or self._last != self.lab.defaults | dict(self._pressed[0].settings):
-            return ""
-        return f'<p class="gl-look" role="status">{escape(self._pressed[0].look_at)}</p>'
+            self.desk.press(pressed[0])
 
     def _preset_button(self, preset, choose):
         return mo.ui.button(value=0, on_click=lambda n: n + 1, on_change=lambda n: choose((preset, n)), label=preset.label)
 
-    def _element(self, control, blocked):
-        value = self._last[control.name]
-        return _ELEMENTS[type(control)](control, value, bool(blocked))
+    def _element(self, control):
+        return _ELEMENTS[type(control)](control, self.desk.settings[control.name], control.name in self.desk.blocked)
+
+    def _cell(self, control, element, reason):
+        """Return one control with its help, or with the reason why it has no effect."""
+        inner = self._file_cell(control, element) if isinstance(control, FileOrPath) else element.text
+        kind = " gl-blocked" if reason else ""
+        return f'<div class="gl-control{kind}">{inner}{markup.control_help(control, reason)}</div>'
+
+    def _file_cell(self, control, element):
+        uploaded = self.desk.uploaded_name(control.name)
+        kept = f"<em>{escape(uploaded)} is kept</em>" if uploaded else ""
+        return f'<div class="gl-file"><b>{escape(control.label)}</b>{element["upload"].text}{element["path"].text}{kept}</div>'
 
     def _setting(self, name, value):
-        control = self.lab.control(name)
-        return self._file(name, value) if isinstance(control, FileOrPath) else value
+        if not isinstance(self.lab.control(name), FileOrPath):
+            return value
+        upload = value["upload"][0] if value["upload"] else None
+        typed = "" if SHARED in os.environ else value["path"].strip()
+        return self.desk.given_file(name, typed, upload and (upload.name, upload.contents))
 
-    def _file(self, name, value):
-        """Return the path of an upload, written to this session's folder, or the path that was typed."""
-        if not value["upload"]:
-            return "" if SHARED in os.environ else value["path"].strip()
-        upload = value["upload"][0]
-        folder = self._upload_folder() / name
-        folder.mkdir(exist_ok=True)
-        path = folder / Path(upload.name).name
-        if not path.is_file() or path.stat().st_size != len(upload.contents) or path.read_bytes() != upload.contents:
-            path.write_bytes(upload.contents)
-        return str(path)
-
-    def _upload_folder(self):
-        """Return this session's folder for uploads, which goes when the session goes."""
-        if self._uploads is None:
-            self._uploads = tempfile.mkdtemp(prefix="gnsslab-")
-            weakref.finalize(self, shutil.rmtree, self._uploads, ignore_errors=True)
-        return Path(self._uploads)
-
-    def _images(self, result):
-        from gnsslab.figures.kept import KeptPicture, data_url
-
-        if self._pictures is None:
-            self._pictures = [(d, KeptPicture(d.build, d.width, d.height)) for d in self.lab.drawings()]
-        words = [self.lab.describe(result)] + [""] * len(self._pictures)
-        images = [
-            f'<img src="{data_url(picture.png(result))}" alt="{escape(alt)}" width="{d.width}" height="{d.height}">'
-            for (d, picture), alt in zip(self._pictures, words, strict=False)
-        ]
-        return f'<div class="gl-pictures">{"".join(images)}</div>'
+    def _saved(self, kind):
+        if self.desk.result is None or self.desk.result.problem:
+            return b"There is no picture at the present controls, so there is nothing to save.\n"
+        return saved(self.desk, kind)
 
 
-def lesson_head(lesson):
-    """Return the head of a lesson: the way home, title, time, what it needs and what it gives."""
-    gives = "".join(f"<li>{escape(text)}</li>" for text in lesson.gives)
-    return mo.Html(
-        f'<style>{STYLE}</style><div class="gl-head"><nav><a href="/" target="_self">All lessons</a></nav>'
-        f"<h1>{escape(lesson.title)}</h1>"
-        f'<p class="gl-meta">Lesson {lesson.number} · about {lesson.minutes} minutes · needs {escape(lesson.needs)}</p>'
-        f'<p class="gl-gives">Afterwards you can</p><ul>{gives}</ul></div>'
-    )
+def _counter(label):
+    return mo.ui.button(value=0, on_click=lambda n: n + 1, label=label)
+
+
+def _told(title, text):
+    return f'<div class="gl-told"><b>{title}</b>{mo.md(text).text}</div>'
+
+
+def _mark_of_pressed(name):
+    """Return the rule that marks a preset's button while its sentence stands below."""
+    return f'body:has(.gl-look[data-preset="{name}"]) .gl-preset[data-preset="{name}"]{{border-color:var(--gl-accent)}}'
 
 
 def _slider(control, value, disabled):
@@ -182,18 +298,3 @@ def _file_or_path(control, value, disabled):
 
 
 _ELEMENTS = {Slider: _slider, Choice: _choice, Switch: _switch, FileOrPath: _file_or_path}
-
-
-def _cell(control, element, reason):
-    """Return one control with its help, or with the reason why it has no effect."""
-    inner = f"{control.label}<br>{element['upload'].text}{element['path'].text}" if isinstance(control, FileOrPath) else element.text
-    kind = " gl-blocked" if reason else ""
-    return f'<div class="gl-control{kind}">{inner}<small>{escape(reason or control.help)}</small></div>'
-
-
-def _readouts(readouts):
-    cells = "".join(
-        f"<div><dt>{escape(r.label)}</dt><dd>{escape(r.value)} <span>{escape(r.unit)}</span></dd><small>{escape(r.note)}</small></div>"
-        for r in readouts
-    )
-    return f'<dl class="gl-readouts" aria-live="polite">{cells}</dl>'

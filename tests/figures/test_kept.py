@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from gnsslab.figures.kept import KeptPicture, Scene, data_url, new_figure, png_bytes
+from gnsslab.figures.kept import KeptPicture, Scene, new_figure, png_bytes
 
 
 def _build(figure):
@@ -56,7 +56,3 @@ def test_png_is_what_the_canvas_shows():
     figure.add_axes((0, 0, 1, 1)).plot([0, 1], [0, 1])
     figure.canvas.draw()
     np.testing.assert_array_equal(_pixels(png_bytes(figure.canvas)), np.asarray(figure.canvas.buffer_rgba())[:, :, :3])
-
-
-def test_data_url_holds_the_bytes():
-    assert data_url(b"abc") == "data:image/png;base64,YWJj"
