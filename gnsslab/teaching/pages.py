@@ -41,6 +41,11 @@ def lost_page(path):
     return _page("", "Nothing here", body)
 
 
+def plain_page(title, body):
+    """Return a page that is none of the course's own: what somebody is told who is not let in."""
+    return _page("", title, body)
+
+
 def _page(address, title, body):
     template = Template((HERE / "page.html").read_text("utf-8"))
     style = (HERE / "pages.css").read_text("utf-8")
