@@ -60,12 +60,12 @@ LESSONS = (
 
 
 def find_lesson(number):
-    """Return the lesson of that number, "00" or 0.
+    """Return the lesson of that number: "00", "0" or 0.
 
     >>> find_lesson(0).title
     'Which way is north?'
     """
-    wanted = f"{number:02d}" if isinstance(number, int) else str(number)
+    wanted = f"{int(number):02d}" if str(number).isdecimal() else number
     for lesson in LESSONS:
         if lesson.number == wanted:
             return lesson
