@@ -266,30 +266,89 @@ def _(mo):
 
 @app.cell(hide_code=True)
 def _(mo):
-    mo.md("""
+    mo.md(r"""
     ## Check yourself
+
+    Type a number. A comma or a point, with the unit or without: both are read. There are two hints for each question.
     """)
     return
 
 
 @app.cell(hide_code=True)
-def _(mo):
-    mo.accordion(
-        {
-            "The baseline is 0.70 m east and 0.40 m south. What is its heading?": mo.md(
-                r"$e = 0.70$, $n = -0.40$: $\operatorname{atan2}(0.70, -0.40) =$ **119.7°**. With $\arctan(e/n)$ you get −60.3°: the wrong way."
-            ),
-            "The error across the baseline is 3 mm, the length 1.2 m. What is the standard deviation of heading?": mo.md(
-                r"$3\ \text{mm} / 1200\ \text{mm} = 0.0025$ rad $=$ **0.14°**. If you wrote 0.0025°, you forgot that the quotient is in radians."
-            ),
-            "You want 0.05° with the same receivers. How long must the beam be?": mo.md(
-                r"$3\ \text{mm} / 0.05° = 3\ \text{mm} / 0.000873 =$ **3.4 m**. Length buys accuracy, not speed: the whole numbers are as hard to find."
-            ),
-            "Someone swaps the two antenna cables. What happens to heading and pitch?": mo.md(
-                r"The baseline changes sign: heading turns by **180°**, pitch changes its **sign**. No test of the engine can see it."
-            ),
-        }
-    )
+def _(lesson):
+    beam = lesson.ask("heading-of-a-beam")
+    lesson.sheet("heading-of-a-beam", beam)
+    return (beam,)
+
+
+@app.cell(hide_code=True)
+def _(beam, lesson):
+    lesson.check("heading-of-a-beam", beam.value)
+    return
+
+
+@app.cell(hide_code=True)
+def _(lesson):
+    sharpness = lesson.ask("sigma-of-heading")
+    lesson.sheet("sigma-of-heading", sharpness)
+    return (sharpness,)
+
+
+@app.cell(hide_code=True)
+def _(lesson, sharpness):
+    lesson.check("sigma-of-heading", sharpness.value)
+    return
+
+
+@app.cell(hide_code=True)
+def _(lesson):
+    lever = lesson.ask("length-for-a-sigma")
+    lesson.sheet("length-for-a-sigma", lever)
+    return (lever,)
+
+
+@app.cell(hide_code=True)
+def _(lesson, lever):
+    lesson.check("length-for-a-sigma", lever.value)
+    return
+
+
+@app.cell(hide_code=True)
+def _(lesson):
+    swapped = lesson.ask("swapped-cables")
+    lesson.sheet("swapped-cables", swapped)
+    return (swapped,)
+
+
+@app.cell(hide_code=True)
+def _(lesson, swapped):
+    lesson.check("swapped-cables", swapped.value)
+    return
+
+
+@app.cell(hide_code=True)
+def _(lesson):
+    tilted = lesson.ask("sigma-of-a-tilted-beam")
+    lesson.sheet("sigma-of-a-tilted-beam", tilted)
+    return (tilted,)
+
+
+@app.cell(hide_code=True)
+def _(lesson, tilted):
+    lesson.check("sigma-of-a-tilted-beam", tilted.value)
+    return
+
+
+@app.cell(hide_code=True)
+def _(lesson):
+    printed_pitch = lesson.ask("pitch-as-printed")
+    lesson.sheet("pitch-as-printed", printed_pitch)
+    return (printed_pitch,)
+
+
+@app.cell(hide_code=True)
+def _(lesson, printed_pitch):
+    lesson.check("pitch-as-printed", printed_pitch.value)
     return
 
 

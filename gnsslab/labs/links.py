@@ -12,13 +12,8 @@ def query_of(lab, settings):
 
 
 def settings_of(lab, query):
-    """Return the settings that a query {name: text} gives, and a sentence for each of them that cannot be.
-
-    A preset sets its controls first, single controls come after it. What is not of this lab is left alone.
-    """
+    """Return the settings that a query {name: text} gives, and a sentence for each that cannot be; what is not of this lab is left alone."""
     settings, problems = {}, []
-    if "preset" in query and any(preset.name == query["preset"] for preset in lab.presets):
-        settings |= lab.preset(query["preset"]).settings
     for control in _linkable(lab):
         if control.name in query:
             try:
@@ -26,6 +21,11 @@ def settings_of(lab, query):
             except ValueError as refusal:
                 problems.append(f"{refusal}: the link's value is left out.")
     return settings, problems
+
+
+def preset_of(lab, query):
+    """Return the preset of this lab that a query names, or None."""
+    return next((preset for preset in lab.presets if preset.name == query.get("preset")), None)
 
 
 def _linkable(lab):

@@ -23,9 +23,9 @@ class Upload(NamedTuple):
 class Desk:
     """Settings, files, pictures and the last result of one lab in one session."""
 
-    def __init__(self, lab, settings=None):
+    def __init__(self, lab):
         self.lab = lab
-        self.settings = lab.defaults | dict(settings or {})
+        self.settings = lab.defaults
         self.result = None
         self._pressed = None  # preset whose settings the controls had last
         self._pictures = None

@@ -11,21 +11,19 @@ result = north.run(steering.value, controls.value)
 north.view(result)
 """
 
-import os
 from html import escape
 
 import marimo as mo
 
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
-from gnsslab.labs.links import settings_of
+from gnsslab.labs.links import preset_of, settings_of
 from gnsslab.teaching import markup
 from gnsslab.teaching.catalogue import find_lesson
 from gnsslab.teaching.desk import Desk
 from gnsslab.teaching.questions import judge
 from gnsslab.teaching.saving import MIME_TYPES, link_of, saved
-from gnsslab.teaching.visitor import progress_of
+from gnsslab.teaching.visitor import is_class, progress_of
 
-SHARED = "GNSSLAB_COURSE_SHARED"  # set where others than this machine's user are served: they may not name its files
 RADIO_AT_MOST = 3  # options that stand side by side; more go into a list
 CLOSED = "*Choose an answer above to open the lab.*"
 
@@ -78,17 +76,11 @@ class LessonFront:
         return mo.md(text)
 
     def lab(self, name):
-        """Return the front of the lab of that name."""
-        lab = self._labs[name]
-        mine = self._query.get("lab", name) == name
-        settings, problems = settings_of(lab, self._query) if mine else ({}, [])
-        front = LabFront(self, lab, settings, problems)
-        if (
-            mine
-            and self._query.get("preset") in [preset.name for preset in lab.presets]
-            and settings == dict(lab.preset(self._query["preset"]).settings)
-        ):
-            front.desk.press(lab.preset(self._query["preset"]))
+        """Return the front of the lab of that name, set as the page's link asks."""
+        query = self._query if self._query.get("lab", name) == name else {}
+        front = LabFront(self, self._labs[name], query)
+        if name == next(iter(self._labs)):
+            front.notes += self._lost()
         return front
 
     def reached(self, goal, settings):
@@ -122,33 +114,42 @@ class LessonFront:
         has_tried = verdict.is_number or hints == len(question.hints)
         if verdict.is_number:
             self.progress.record(self.lesson.number, name, "question", given["answer"], verdict.is_right, hints, given["solution"] > 0)
-        said = markup.verdict(verdict) if given["answer"].strip() else ""
+        said = markup.verdict(verdict.is_right, mo.md(verdict.words).text) if given["answer"].strip() else ""
         told = "".join(_told(f"Hint {k}", hint) for k, hint in enumerate(question.hints[:hints], 1))
         if given["solution"]:
             told += _told("Solution", question.solution) if has_tried else _told("Solution", "Try once, or take both hints; then it opens.")
         return mo.Html(f'<div class="gl-answer">{said}{told}</div>')
 
+    def _lost(self):
+        """Return a sentence for what the link asks for and this lesson does not have."""
+        known = {"lab": list(self._labs), "preset": [preset.name for lab in self._labs.values() for preset in lab.presets]}
+        return [
+            f"The link asks for the {kind} {self._query[kind]!r}; this lesson has {', '.join(names)}."
+            for kind, names in known.items()
+            if kind in self._query and self._query[kind] not in names
+        ]
+
     def _stage_style(self):
         """Return the rules that leave only the stage on the page, while the lesson is presented."""
-        if not self.is_presented:
-            return ""
-        stage = self._query.get("lab", next(iter(self._labs)))
-        return markup.present_style(stage)
+        shown = self._query.get("lab", next((name for name, lab in self._labs.items() if preset_of(lab, self._query)), next(iter(self._labs))))
+        return markup.present_style(shown) if self.is_presented else ""
 
     def _stage_head(self):
-        if not self.is_presented:
-            return ""
-        return markup.present_head(self.lesson, self._labs)
+        return markup.present_head(self.lesson, self._labs) if self.is_presented else ""
 
 
 class LabFront:
     """One student's view of one lab."""
 
-    def __init__(self, lesson, lab, settings, problems):
+    def __init__(self, lesson, lab, query):
         self.lab = lab
-        self.desk = Desk(lab, settings)
+        self.desk = Desk(lab)
+        preset = preset_of(lab, query)
+        if preset is not None:
+            self.desk.press(preset)
+        settings, self.notes = settings_of(lab, query)
+        self.desk.settings |= settings
         self._lesson = lesson
-        self._problems = problems
         self._pressed = None
         self._reached = set()
 
@@ -163,7 +164,7 @@ class LabFront:
             f'<span class="gl-preset" data-preset="{name}" data-key="{key}">{button.text}</span>'
             for key, (name, button) in enumerate(zip(names, buttons, strict=True), 1)
         )
-        notes = "".join(f'<p class="gl-note">{escape(problem)}</p>' for problem in self._problems)
+        notes = "".join(f'<p class="gl-note">{escape(problem)}</p>' for problem in self.notes)
         return self._staged(f'<style>{"".join(map(_mark_of_pressed, names))}</style>{notes}<div class="gl-presets">{shown}</div>')
 
     def steering(self, pressed):
@@ -254,8 +255,11 @@ class LabFront:
         if not isinstance(self.lab.control(name), FileOrPath):
             return value
         upload = value["upload"][0] if value["upload"] else None
-        typed = "" if SHARED in os.environ else value["path"].strip()
+        typed = "" if is_class() else value["path"].strip()
         return self.desk.given_file(name, typed, upload and (upload.name, upload.contents))
+
+    def _download(self, kind):
+        return mo.download(lambda: self._saved(kind), f"{self.lab.name}.{kind}", MIME_TYPES[kind], label=kind.upper())
 
     def _saved(self, kind):
         if self.desk.result is None or self.desk.result.problem:
@@ -293,7 +297,7 @@ def _switch(control, value, disabled):
 
 
 def _file_or_path(control, value, disabled):
-    path = mo.ui.text(label="or its path", full_width=True, disabled=SHARED in os.environ)
+    path = mo.ui.text(label="or its path", full_width=True, disabled=is_class())
     return mo.ui.dictionary({"upload": mo.ui.file(label="upload"), "path": path})
 
 

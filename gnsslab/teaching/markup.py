@@ -54,10 +54,9 @@ def goal(goal, result):
     return f'<div class="gl-goal{kind}" role="status">{escape(goal.text)}<br>{judged}</div>'
 
 
-def verdict(verdict):
-    """Return what is said of an answer; nothing for one not given."""
-    kind = "gl-right" if verdict.is_right else "gl-wrong"
-    return f'<p class="gl-verdict {kind}" role="status">{escape(verdict.words)}</p>'
+def verdict(is_right, words):
+    """Return what is said of an answer; the words are HTML."""
+    return f'<div class="gl-verdict {"gl-right" if is_right else "gl-wrong"}" role="status">{words}</div>'
 
 
 def control_help(control, reason):
@@ -92,7 +91,7 @@ def present_style(lab):
     return (
         f".marimo-cell:not(:has({stage}, .gl-head)){{display:none}}"
         f".marimo-cell:has({stage} .gl-controls){{order:2}}"
-        "nav[aria-label], .mo-floating-outline{display:none}"
+        ".fixed.right-8{display:none}"
     )
 
 
