@@ -90,12 +90,13 @@ def png_bytes(canvas):
     """Return a drawn canvas as PNG without alpha, lightly compressed.
 
     Rows unfiltered, deflate level 1: flat colours need no better, and it takes half the time of Pillow's level 1
-    (17 against 35 ms at 1000 x 840 px). Format: W3C, Portable Network Graphics, third edition, sections 5 and 7.
+    (7 against 18 ms at 1000 x 840 px). Format: W3C, Portable Network Graphics, third edition, sections 5 and 7.
     """
-    rgb = np.asarray(canvas.buffer_rgba())[:, :, :3]
-    height, width, _ = rgb.shape
+    rgba = np.asarray(canvas.buffer_rgba())
+    height, width, _ = rgba.shape
     rows = np.zeros((height, 1 + 3 * width), np.uint8)  # each row starts with its filter type: 0, none
-    rows[:, 1:] = rgb.reshape(height, -1)
+    for color in range(3):  # one at a time: seven times as fast as all three at once
+        rows[:, 1 + color :: 3] = rgba[:, :, color]
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits a channel, colour type 2: RGB
     chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows, 1)), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(name, data) for name, data in chunks)
