@@ -17,6 +17,12 @@ def rng():
     return np.random.default_rng(20240624)
 
 
+@pytest.fixture(autouse=True)
+def progress_elsewhere(tmp_path, monkeypatch):
+    """No test writes into the progress of whoever runs it."""
+    monkeypatch.setenv("GNSSLAB_PROGRESS", str(tmp_path / "progress"))
+
+
 @pytest.fixture(scope="session")
 def dataset():
     """A function from a data set's name to its folder; skips where the set cannot be had, fails under GNSSLAB_REQUIRE_ALL=1."""

@@ -95,6 +95,7 @@ class LessonFront:
         return mo.ui.dictionary(
             {
                 "answer": mo.ui.text(entry.answer if entry is not None else "", label=f"Your answer{unit}", placeholder="a number"),
+                "check": _counter("Check"),  # the field hands over what was typed as soon as the button takes the focus
                 "hints": _counter("Hint"),
                 "solution": _counter("Solution"),
             }
@@ -104,7 +105,7 @@ class LessonFront:
         """Return a question with its fields."""
         question = self._questions[name]
         number = list(self._questions).index(name) + 1
-        fields = "".join(f"<span>{asked[part].text}</span>" for part in ("answer", "hints", "solution"))
+        fields = "".join(f"<span>{asked[part].text}</span>" for part in asked)
         return mo.Html(f'<div class="gl-question"><b>{number}</b>{mo.md(question.text).text}<div class="gl-fields">{fields}</div></div>')
 
     def check(self, name, given):

@@ -19,12 +19,18 @@ START_SECONDS = 60  # for the server to say where it is, on a busy machine
 
 
 @pytest.fixture(scope="session")
-def course(tmp_path_factory):
+def progress_folder(tmp_path_factory):
+    """Where the served course keeps its user's answers."""
+    return tmp_path_factory.mktemp("progress")
+
+
+@pytest.fixture(scope="session")
+def course(tmp_path_factory, progress_folder):
     """Address of a course served by `gnsslab course` in a process of its own, from a folder that is not the project's."""
     process = subprocess.Popen(
         [sys.executable, "-u", "-m", "gnsslab", "course", "--no-browser", "--port", "24680"],
         cwd=tmp_path_factory.mktemp("elsewhere"), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[2])},
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[2]), "GNSSLAB_PROGRESS": str(progress_folder)},
     )  # fmt: skip
     lines = _lines_of(process)
     try:
@@ -76,12 +82,14 @@ def _missing(reason):
 
 
 @pytest.fixture
-def visit(chromium, course):
-    """A function that opens an address of the course in a fresh browser context and returns the page.
+def visit(chromium, course, progress_folder):
+    """A function that opens an address of the course in a fresh browser context and returns the page; no answer was given before.
 
     When the test ends, no console error and no request that left the machine may stand in the page's records.
     """
     contexts, troubles = [], []
+    for file in progress_folder.iterdir():
+        file.unlink()
 
     def open_page(path="/", width=1280, height=900, scheme="light"):
         context = chromium.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)

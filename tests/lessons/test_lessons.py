@@ -1,5 +1,6 @@
 """Lessons run, are clean, and are found."""
 
+import re
 import runpy
 import subprocess
 import sys
@@ -55,46 +56,61 @@ def test_lesson_has_the_form_of_a_lesson(lesson: Lesson):
     assert "# /// script" not in text  # it would make marimo ask for a sandbox
 
 
-@pytest.fixture
-def app():
-    """The marimo app of lesson 00."""
-    return runpy.run_path(str(find_lesson("00").path))["app"]
+def run(lesson, **changed):
+    """Run a lesson without a browser, the prediction made and controls of its first lab changed; return its names."""
+    app = runpy.run_path(str(lesson.path))["app"]
+    predicted = {"prediction": SimpleNamespace(value=lesson.exercises.PREDICTION.options[0])}
+    names = app.run(defs=predicted)[1]
+    if not changed:
+        return names
+    moved = SimpleNamespace(value=names["controls"].value | changed, items=names["controls"].items)
+    return app.run(defs=predicted | {"controls": moved})[1]
 
 
-def test_lab_waits_for_the_prediction(app):
-    _, names = app.run()
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.number)
+def test_lab_waits_for_the_prediction(lesson):
+    names = runpy.run_path(str(lesson.path))["app"].run()[1]
     assert "result" not in names
+    assert "prediction" in names
 
 
-def _answered(app, **controls):
-    _, first = app.run(defs={"prediction": SimpleNamespace(value="not at all")})
-    if not controls:
-        return first
-    moved = SimpleNamespace(value=first["controls"].value | controls, items=first["controls"].items)
-    return app.run(defs={"prediction": SimpleNamespace(value="not at all"), "controls": moved})[1]
-
-
-def test_lesson_runs_at_its_defaults(app):
-    result = _answered(app)["result"]
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.number)
+def test_lesson_runs_at_its_defaults(lesson):
+    result = run(lesson)["result"]
+    first = next(iter(lesson.open_labs().values()))
     assert result.problem == ""
-    assert result.settings == find_defaults()
+    assert result.settings == first.defaults
 
 
-def find_defaults():
-    """Defaults of the lab of lesson 00."""
-    from gnsslab.labs.north import north_lab
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.number)
+def test_every_lab_goal_and_question_stands_in_the_lesson(lesson):
+    text = lesson.path.read_text("utf-8")
+    labs = lesson.open_labs()
+    goals = [goal.name for lab in labs.values() for goal in lab.goals]
+    for kind, names in (("lab", labs), ("ask", [question.name for question in lesson.exercises.QUESTIONS])):
+        assert re.findall(rf'lesson\.{kind}\("([^"]+)"\)', text) == list(names), kind
+    assert goals
+    assert re.findall(r'\.goal\("([^"]+)"', text) == goals
 
-    return north_lab().defaults
+
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.number)
+def test_lessons_have_what_every_lesson_has(lesson):
+    labs = lesson.open_labs().values()
+    assert sum(len(lab.presets) for lab in labs) >= 4
+    assert all(preset.look_at.endswith(".") for lab in labs for preset in lab.presets)
+    names = [preset.name for lab in labs for preset in lab.presets]
+    assert len(set(names)) == len(names), "a link names a preset by its name alone"
 
 
-def test_moving_a_control_moves_the_result(app):
-    result = _answered(app, length=3.0)["result"]
+def test_moving_a_control_moves_the_result():
+    result = run(find_lesson("00"), length=3.0)["result"]
     assert result.settings["length"] == 3.0
     assert result.truth.baseline_enu @ result.truth.baseline_enu == pytest.approx(9.0)
 
 
-def test_code_shown_to_students_compiles():
-    text = find_lesson("00").path.read_text("utf-8")
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.number)
+def test_code_shown_to_students_compiles(lesson):
+    text = lesson.path.read_text("utf-8")
     blocks = [part.split("```")[0] for part in text.split("```python")[1:]]
     assert blocks
     for block in blocks:
