@@ -6,16 +6,28 @@ import typer
 
 from gnsslab.cli.options import within
 
-EXAMPLE = "Example: gnsslab course --port 8080"
+EXAMPLE = "Examples: gnsslab course --port 8080     gnsslab course --host 0.0.0.0     (a class)"
 
-Host = Annotated[str, typer.Option("--host", metavar="ADDRESS", show_default=False, help="Address to serve on [127.0.0.1].")]
+Host = Annotated[str, typer.Option("--host", metavar="ADDRESS", show_default=False, help="Address to serve on; 0.0.0.0 for a class [127.0.0.1].")]
 Port = Annotated[int, typer.Option("--port", metavar="N", show_default=False, help="Port; taken: the next free one [8000].")]
 NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Serve only, open nothing.")]
+Present = Annotated[bool, typer.Option("--present", help="Lessons as for a projector: large, one picture, no answers.")]
+Token = Annotated[str | None, typer.Option("--token", metavar="TEXT", show_default=False, help="Token that opens a class [drawn anew].")]
+NoToken = Annotated[bool, typer.Option("--no-token", help="Let in whoever reaches this machine.")]
 
 
-def course(host: Host = "127.0.0.1", port: Port = 8000, no_browser: NoBrowser = False):
+def course(
+    host: Host = "127.0.0.1",
+    port: Port = 8000,
+    no_browser: NoBrowser = False,
+    present: Present = False,
+    token: Token = None,
+    no_token: NoToken = False,
+):
     """Open the course in your browser: all lessons on one page, until you press Ctrl-C."""
     within("--port", port, 1, 65535, "a port number")
+    if token is not None and no_token:
+        raise ValueError("--token and --no-token exclude each other: give one of them")
     from gnsslab.teaching.course import serve
 
-    serve(host, port, open_browser=not no_browser)
+    serve(host, port, open_browser=not no_browser, token="" if no_token else token, present=present)
