@@ -5,7 +5,9 @@ from pathlib import Path
 from string import Template
 
 from gnsslab import __version__
+from gnsslab.teaching.glossary import glossary_body
 from gnsslab.teaching.home import home_body
+from gnsslab.teaching.notation import notation_body
 
 HERE = Path(__file__).parent
 PAGES = {"/": "Lessons", "/notation": "Notation", "/glossary": "Glossary", "/data": "Data"}
@@ -18,7 +20,7 @@ def home_page(progress=None, present=False):
 
 def notation_page():
     """Return the page of symbols; each has an id to link to: /notation#sigma_phi."""
-    return _page("/notation", "Notation", "")
+    return _page("/notation", "Notation", notation_body())
 
 
 def data_page():
@@ -28,7 +30,7 @@ def data_page():
 
 def glossary_page():
     """Return the glossary, English and Chinese."""
-    return _page("/glossary", "Glossary", "")
+    return _page("/glossary", "Glossary", glossary_body())
 
 
 def lost_page(path):
