@@ -14,6 +14,7 @@ NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Serve only, open 
 Present = Annotated[bool, typer.Option("--present", help="Lessons as for a projector: large, one picture, no answers.")]
 Token = Annotated[str | None, typer.Option("--token", metavar="TEXT", show_default=False, help="Token that opens a class [drawn anew].")]
 NoToken = Annotated[bool, typer.Option("--no-token", help="Let in whoever reaches this machine.")]
+Jupyter = Annotated[bool, typer.Option("--jupyter", help="The lessons as notebooks in JupyterLab, in ./gnsslab-course.")]
 
 
 def course(
@@ -23,11 +24,24 @@ def course(
     present: Present = False,
     token: Token = None,
     no_token: NoToken = False,
+    jupyter: Jupyter = False,
 ):
     """Open the course in your browser: all lessons on one page, until you press Ctrl-C."""
     within("--port", port, 1, 65535, "a port number")
     if token is not None and no_token:
         raise ValueError("--token and --no-token exclude each other: give one of them")
+    if jupyter:
+        _notebooks(host, port, no_browser, {"--present": present, "--token": token is not None, "--no-token": no_token})
+        return
     from gnsslab.teaching.course import serve
 
     serve(host, port, open_browser=not no_browser, token="" if no_token else token, present=present)
+
+
+def _notebooks(host, port, no_browser, others):
+    for option, is_given in others.items():
+        if is_given:
+            raise ValueError(f"--jupyter and {option} exclude each other: give one of them")
+    from gnsslab.teaching.jupyter_course import serve_notebooks
+
+    serve_notebooks(host, port, open_browser=not no_browser)
