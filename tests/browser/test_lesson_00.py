@@ -40,6 +40,13 @@ def _await_change(page, before, of):
     return of(page)
 
 
+def _await_same(page, wanted):
+    deadline = time.monotonic() + PATIENCE / 1000
+    while _readouts(page) != wanted:
+        assert time.monotonic() < deadline, "the earlier numbers did not come back"
+        page.wait_for_timeout(50)
+
+
 def _slider(page, name):
     return page.get_by_role("slider", name=name)
 
@@ -109,7 +116,13 @@ def test_own_files_by_upload(lesson, tmp_path):
         page.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
         page.wait_for_timeout(1500)
     page.locator(".gl-readouts").wait_for(timeout=PATIENCE)
-    assert re.search(r"Heading\s+3[45]\.\d+ deg", _readouts(page))
+    mine = _readouts(page)
+    assert re.search(r"Heading\s+3[45]\.\d+ deg", mine)
+    page.get_by_role("radio", name="simulated").click()
+    _await_change(page, mine, _readouts)
+    page.get_by_role("radio", name="my files").click()
+    page.get_by_text("rover.obs is kept").wait_for(timeout=PATIENCE)
+    _await_same(page, mine)
 
 
 @pytest.mark.parametrize("width", [390, 1280])
@@ -140,7 +153,7 @@ def test_pictures_have_words(lesson):
 
 def test_keys_alone_suffice(visit):
     page = visit("/")
-    page.keyboard.press("Tab")
+    _tab_until(page, "document.activeElement.getAttribute('href') === '/lesson/00/'")
     page.keyboard.press("Enter")
     page.get_by_role("radio").first.wait_for(timeout=PATIENCE)
     _tab_to(page, "radio")
@@ -153,11 +166,15 @@ def test_keys_alone_suffice(visit):
 
 
 def _tab_to(page, role):
-    for _ in range(40):
+    _tab_until(page, f"({_FOCUSED_ROLE})() === '{role}'")
+
+
+def _tab_until(page, condition):
+    for _ in range(60):
         page.keyboard.press("Tab")
-        if page.evaluate(_FOCUSED_ROLE) == role:
+        if page.evaluate(condition):
             return
-    pytest.fail(f"no {role} is reached by the tabulator key")
+    pytest.fail(f"the tabulator key never gets to where {condition}")
 
 
 _FOCUSED_ROLE = """
