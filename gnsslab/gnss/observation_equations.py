@@ -1,0 +1,54 @@
+"""Observation equations: what code and carrier measure, term by term, all in metres.
+
+P   = rho + c dt_r - c dt^s + T + I            code
+Phi = rho + c dt_r - c dt^s + T - I + lambda N  carrier
+D   = -(d Phi / dt) / lambda                    Doppler, positive while the satellite comes nearer
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class RangeTerms(NamedTuple):
+    """What makes up a measured range; arrays of one shape, one frequency."""
+
+    rho: np.ndarray  # [m], distance from the satellite at transmission to the antenna at reception
+    clock_receiver: np.ndarray  # c dt_r [m], positive where the receiver's clock is fast
+    clock_satellite: np.ndarray  # c dt^s [m]
+    troposphere: np.ndarray  # T [m]
+    ionosphere: np.ndarray  # I [m], delay of the code on this frequency
+
+    def part(self, *index):
+        """Return the terms at an index of their arrays."""
+        return RangeTerms(*(term[index] for term in self))
+
+
+def code_range(terms):
+    """Return what the code should read [m]: P = rho + c dt_r - c dt^s + T + I.
+
+    >>> code_range(RangeTerms(20e6, 300.0, 60.0, 4.0, 3.0))
+    20000247.0
+    """
+    return terms.rho + terms.clock_receiver - terms.clock_satellite + terms.troposphere + terms.ionosphere
+
+
+def carrier_range(terms):
+    """Return what the carrier should read [m] but for its whole cycles: Phi - lambda N = rho + c dt_r - c dt^s + T - I.
+
+    >>> carrier_range(RangeTerms(20e6, 300.0, 60.0, 4.0, 3.0))
+    20000241.0
+    """
+    return terms.rho + terms.clock_receiver - terms.clock_satellite + terms.troposphere - terms.ionosphere
+
+
+def carrier_range_as_printed(terms):
+    """Return Phi + lambda N as equation (1) of Li et al. (2021) prints it: rho - c dt_r + c dt^s - I - T.
+
+    The paper calls the terms clock errors and delays. With that meaning both clocks and the troposphere have the wrong sign;
+    double differences cancel most of it, which is why it did no harm there.
+
+    >>> carrier_range_as_printed(RangeTerms(20e6, 300.0, 60.0, 4.0, 3.0))
+    19999753.0
+    """
+    return terms.rho - terms.clock_receiver + terms.clock_satellite - terms.ionosphere - terms.troposphere
