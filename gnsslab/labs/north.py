@@ -9,7 +9,7 @@ from gnsslab.data import DataUnavailable
 from gnsslab.labs.campaigns import FileReader, require_files
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
-from gnsslab.simulate import find_preset, observe, prepare_geometry, with_length
+from gnsslab.simulate import draw, find_preset, idealise, observe_drawn, prepare_geometry, with_length
 from gnsslab.systems.dual_antenna import dual_antenna_attitude
 
 FIXED = 2
@@ -101,7 +101,9 @@ class NorthEngine:
     """The data of one lab instance, kept between moves, and the way from settings to a result."""
 
     def __init__(self):
-        self._geometry = lru_cache(KEPT)(_geometry)
+        self._whole_sky = lru_cache(1)(lambda: prepare_geometry(PRESET))
+        self._ideal = lru_cache(KEPT)(self._without_noise)
+        self._drawn = lru_cache(KEPT)(self._draw)
         self._files = FileReader()
         self._simulated = lru_cache(KEPT)(self._simulate)
 
@@ -125,13 +127,23 @@ class NorthEngine:
         return self._simulation(settings), ""
 
     def _simulation(self, settings):
-        return self._simulated(*(settings[name] for name in SIMULATION_ONLY))
+        return self._simulated(settings["systems"], *(settings[name] for name in SIMULATION_ONLY))
 
-    def _simulate(self, carrier_noise_mm, length, code_noise, seed):
+    def _simulate(self, systems, carrier_noise_mm, length, code_noise, seed):
         carrier = carrier_noise_mm * MM
         noise = replace(PRESET.noise, carrier=carrier, carrier_multipath=carrier, code=code_noise, code_multipath=code_noise / 2)
-        simulation = observe(self._geometry(length), noise, np.random.default_rng(seed))
+        simulation = observe_drawn(*self._ideal(length, systems), self._drawn(seed), noise)
         return Campaign(*simulation.observations, simulation.ephemerides, length, _truth_at_rest(simulation.truth))
+
+    def _without_noise(self, length, systems):
+        """Return the Geometry of the satellites of some systems, and their ideal measurements."""
+        satellites = tuple(name for name in self._whole_sky().tracks.satellites if name[0] in systems)
+        geometry = prepare_geometry(replace(with_length(PRESET, length), satellites=satellites))
+        return geometry, idealise(geometry)
+
+    def _draw(self, seed):
+        """Return the errors of all systems: those of one do not depend on which others are used."""
+        return draw(self._whole_sky(), np.random.default_rng(seed))
 
     def _real(self):
         return Campaign(*self._files.data_set(REAL_DATA), REAL_LENGTH)
@@ -139,10 +151,6 @@ class NorthEngine:
     def _mine(self, master, rover, navigation):
         require_files(master=master, rover=rover, navigation=navigation)
         return Campaign(self._files.observations(master), self._files.observations(rover), self._files.ephemerides(navigation))
-
-
-def _geometry(length):
-    return prepare_geometry(with_length(PRESET, length))
 
 
 def _truth_at_rest(truth):

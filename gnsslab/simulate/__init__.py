@@ -2,13 +2,14 @@
 
 from gnsslab.simulate.events import Gap, GrossError, HalfCycle, Outage, Slip
 from gnsslab.simulate.geometry import Geometry, prepare_geometry
+from gnsslab.simulate.measurements import draw, idealise
 from gnsslab.simulate.presets import PRESETS, Preset, find_preset, with_length
 from gnsslab.simulate.receivers import LOW_COST, NO_NOISE, SURVEY, Clock, Noise
-from gnsslab.simulate.simulation import Simulation, Truth, observe, simulate, write_simulation
+from gnsslab.simulate.simulation import Simulation, Truth, observe, observe_drawn, simulate, write_simulation
 from gnsslab.simulate.trajectories import Car, Hop, Ship, Static, Turntable
 
 __all__ = [
     "LOW_COST", "NO_NOISE", "PRESETS", "SURVEY", "Car", "Clock", "Gap", "Geometry", "GrossError", "HalfCycle", "Hop", "Noise", "Outage", "Preset",
-    "Ship", "Simulation", "Slip", "Static", "Truth", "Turntable", "find_preset", "observe", "prepare_geometry", "simulate", "with_length",
-    "write_simulation",
+    "Ship", "Simulation", "Slip", "Static", "Truth", "Turntable", "draw", "find_preset", "idealise", "observe", "observe_drawn", "prepare_geometry",
+    "simulate", "with_length", "write_simulation",
 ]  # fmt: skip

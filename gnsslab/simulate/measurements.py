@@ -23,29 +23,95 @@ class Measured(NamedTuple):
     fractions: np.ndarray  # (R, b) [cycles], in [0, 1): a receiver's phase at its start, common to all satellites
 
 
+class Ideal(NamedTuple):
+    """What chance has no part in, of one system: R receivers, T epochs, m satellites, b signals."""
+
+    axes: Axes
+    interval: float  # [s], between epochs
+    value: np.ndarray  # (4, R, T, m, b) as in Measured, without noise and ambiguities
+    halves: np.ndarray  # (R, T, m, b) [cycles], half cycles in the carrier
+    half_flags: np.ndarray  # (R, T, m, b) uint8
+    gross: np.ndarray  # (4, R, T, m, b), gross errors in the units of the observations
+    wavelength: np.ndarray  # (b,) [m]
+    white: np.ndarray  # (R, T, m, 1), growth of white noise from the zenith
+    multipath: np.ndarray  # (R, T, m, 1), growth of multipath from the zenith
+    is_recorded: np.ndarray  # (R, T, m, b) bool
+
+
+class Draw(NamedTuple):
+    """What chance decides, of one system; how large its errors are is not chance's to say."""
+
+    integers: np.ndarray  # (R, T, m, b) int64, ambiguities [cycles], slips included
+    fractions: np.ndarray  # (R, b) [cycles]
+    slip_flags: np.ndarray  # (R, T, m, b) uint8
+    unit: np.ndarray  # (6, R, T, m, b), white noise of unit variance: code, carrier, Doppler, C/N0, multipath of code and of carrier
+
+
 def measure(geometry, noise, rng):
     """Return a dictionary from system letter to its `Measured`."""
+    return disturb(idealise(geometry), draw(geometry, rng), noise)
+
+
+def idealise(geometry):
+    """Return a dictionary from system letter to its `Ideal`."""
+    return {system: _ideal(geometry, columns, _axes(geometry, system, columns)) for system, columns in _columns(geometry).items()}
+
+
+def draw(geometry, rng):
+    """Return a dictionary from system letter to its `Draw`, which depends on what is measured and not on where."""
+    return {system: _draw(geometry.preset.events, _axes(geometry, system, columns), rng) for system, columns in _columns(geometry).items()}
+
+
+def disturb(ideals, draws, noise):
+    """Return a dictionary from system letter to its `Measured`: ideal measurements with the errors drawn, as large as `noise` has them."""
+    return {system: _disturbed(ideal, draws[system], noise) for system, ideal in ideals.items()}
+
+
+def _columns(geometry):
+    """Return which satellites (m,) belong to each system, by its letter."""
     letters = np.array([name[0] for name in geometry.tracks.satellites])
-    return {str(system): _measure_system(geometry, noise, rng, str(system), np.flatnonzero(letters == system)) for system in np.unique(letters)}
+    return {str(system): np.flatnonzero(letters == system) for system in np.unique(letters)}
 
 
-def _measure_system(geometry, noise, rng, system, columns):
-    preset, satellites = geometry.preset, tuple(geometry.tracks.satellites[k] for k in columns)
-    axes = Axes(preset.receivers, preset.epochs, satellites, signals_of(system, preset.bands))
-    integers, fractions, slip_flags = _ambiguities(preset.events, axes, rng)
-    halves, half_flags = half_cycles(preset.events, axes)
-    elevation = geometry.elevation[..., columns]
+def _axes(geometry, system, columns):
+    satellites = tuple(geometry.tracks.satellites[k] for k in columns)
+    return Axes(geometry.preset.receivers, geometry.preset.epochs, satellites, signals_of(system, geometry.preset.bands))
+
+
+def _ideal(geometry, columns, axes):
+    preset, system, elevation = geometry.preset, axes.satellites[0][0], geometry.elevation[..., columns]
     value = _noise_free(geometry, system, columns, axes.signals)
     value[0] += np.reshape([hardware_delay(system, receiver) for receiver in range(preset.receivers)], (-1, 1, 1, 1))
-    value[1] += integers + fractions[:, np.newaxis, np.newaxis] + halves
-    value += _errors(noise, rng, elevation, preset.interval, system, axes) + gross_errors(preset.events, axes)
-    is_recorded = _recorded(preset, elevation, axes)
-    lli = np.where(is_recorded, slip_flags | half_flags, 0).astype(np.uint8)
-    return Measured(satellites, axes.signals, np.where(is_recorded, value, np.nan), lli, integers, fractions)
+    halves, half_flags = half_cycles(preset.events, axes)
+    return Ideal(
+        axes=axes,
+        interval=preset.interval,
+        value=value,
+        halves=halves,
+        half_flags=half_flags,
+        gross=gross_errors(preset.events, axes),
+        wavelength=SPEED_OF_LIGHT / _frequencies(system, axes.signals),
+        white=white_factor(elevation)[..., np.newaxis],
+        multipath=multipath_factor(elevation)[..., np.newaxis],
+        is_recorded=_recorded(preset, elevation, axes),
+    )
+
+
+def _draw(events, axes, rng):
+    return Draw(*_ambiguities(events, axes, rng), rng.standard_normal((6, *axes.shape)))
+
+
+def _disturbed(ideal, drawn, noise):
+    value = ideal.value.copy()
+    value[1] += drawn.integers + drawn.fractions[:, np.newaxis, np.newaxis] + ideal.halves
+    value += _errors(ideal, drawn.unit, noise) + ideal.gross
+    lli = np.where(ideal.is_recorded, drawn.slip_flags | ideal.half_flags, 0).astype(np.uint8)
+    value = np.where(ideal.is_recorded, value, np.nan)
+    return Measured(ideal.axes.satellites, ideal.axes.signals, value, lli, drawn.integers, drawn.fractions)
 
 
 def _ambiguities(events, axes, rng):
-    """Return integers (R, T, m, b), one at random and the slips after it, fractions (R, b), and the slip flags."""
+    """Return integers (R, T, m, b), one at random and the slips after it, fractions (R, b), and the slip flags (R, T, m, b)."""
     first = rng.integers(-_INTEGERS_UP_TO, _INTEGERS_UP_TO + 1, (axes.receivers, 1, len(axes.satellites), len(axes.signals)))
     fractions = rng.random((axes.receivers, len(axes.signals)))
     slipped, flags = slipped_cycles(events, axes, rng)
@@ -79,16 +145,13 @@ def _time_derivative(values, interval):
     return np.gradient(values, interval, axis=1) if values.shape[1] > 1 else np.zeros_like(values)
 
 
-def _errors(noise, rng, elevation, interval, system, axes):
+def _errors(ideal, unit, noise):
     """Return white noise and multipath (4, R, T, m, b), grown by elevation, in the units of the observations."""
-    wavelength = SPEED_OF_LIGHT / _frequencies(system, axes.signals)
-    white, multipath = white_factor(elevation)[..., np.newaxis], multipath_factor(elevation)[..., np.newaxis]
-    unit = rng.standard_normal((6, *axes.shape))
-    reflected_code = gauss_markov(unit[4], interval, noise.code_multipath_time)
-    reflected_carrier = gauss_markov(unit[5], interval, noise.carrier_multipath_time)
-    code = noise.code * white * unit[0] + noise.code_multipath * multipath * reflected_code
-    carrier = noise.carrier * white * unit[1] + noise.carrier_multipath * multipath * reflected_carrier
-    return np.stack([code, carrier / wavelength, noise.doppler * white * unit[2] / wavelength, noise.cn0 * unit[3]])
+    reflected_code = gauss_markov(unit[4], ideal.interval, noise.code_multipath_time)
+    reflected_carrier = gauss_markov(unit[5], ideal.interval, noise.carrier_multipath_time)
+    code = noise.code * ideal.white * unit[0] + noise.code_multipath * ideal.multipath * reflected_code
+    carrier = noise.carrier * ideal.white * unit[1] + noise.carrier_multipath * ideal.multipath * reflected_carrier
+    return np.stack([code, carrier / ideal.wavelength, noise.doppler * ideal.white * unit[2] / ideal.wavelength, noise.cn0 * unit[3]])
 
 
 def _recorded(preset, elevation, axes):

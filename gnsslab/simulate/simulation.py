@@ -11,7 +11,7 @@ from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.observations import Observations
 from gnsslab.gnss.times import iso_text
 from gnsslab.simulate.geometry import antenna_position, prepare_geometry
-from gnsslab.simulate.measurements import measure
+from gnsslab.simulate.measurements import disturb, draw, idealise
 from gnsslab.simulate.recording import record
 
 TRUTH_COLUMNS = "time,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg"
@@ -58,8 +58,16 @@ def simulate(preset, rng):
 
 def observe(geometry, noise, rng):
     """Return the `Simulation` of a geometry already prepared, with this noise: for what is run again and again."""
+    return observe_drawn(geometry, idealise(geometry), draw(geometry, rng), noise)
+
+
+def observe_drawn(geometry, ideals, draws, noise):
+    """Return the `Simulation` of a geometry, its ideal measurements and the errors drawn, as large as `noise` has them.
+
+    For a slider of noise: all else is ready. `draws` may be of more systems than the geometry, with the same satellites.
+    """
     preset = geometry.preset
-    measured = measure(geometry, noise, rng)
+    measured = disturb(ideals, draws, noise)
     return Simulation(
         preset.name,
         tuple(record(preset, measured, receiver) for receiver in range(preset.receivers)),

@@ -9,7 +9,7 @@ import gnsslab as gl
 from gnsslab.core.rotations import heading_pitch_of, rotation_from_heading_pitch_roll
 from gnsslab.gnss.ephemerides import ARRAY_FIELDS
 from gnsslab.gnss.frames import enu_rotation
-from gnsslab.simulate import PRESETS, observe, prepare_geometry, simulate, write_simulation
+from gnsslab.simulate import PRESETS, draw, idealise, observe, observe_drawn, prepare_geometry, simulate, write_simulation
 from gnsslab.simulate.geometry import antenna_position, satellite_tracks
 from gnsslab.simulate.receivers import NO_NOISE, Clock, Noise
 
@@ -154,6 +154,24 @@ def test_noise_and_length_find_the_sky_ready():
     prepare_geometry(replace(SHORT, noise=Noise(code=1.0), antennas=((0.0, 0.0, 0.0), (0.0, 3.0, 0.0))))
     assert satellite_tracks.cache_info().misses == 1
     assert_same(observe(geometry, SHORT.noise, np.random.default_rng(5)).observations[0], of_seed(SHORT, 5).observations[0])
+
+
+def test_errors_drawn_once_serve_every_noise():
+    geometry, noises = prepare_geometry(SHORT), (SHORT.noise, Noise(code=1.0, carrier=0.004), SHORT.noise)
+    ideals, draws = idealise(geometry), draw(geometry, np.random.default_rng(5))
+    for noise in noises:
+        expected = observe(geometry, noise, np.random.default_rng(5))
+        for a, b in zip(observe_drawn(geometry, ideals, draws, noise).observations, expected.observations, strict=True):
+            assert_same(a, b)
+
+
+def test_errors_of_a_system_do_not_depend_on_the_others():
+    whole = prepare_geometry(SHORT)
+    galileo = prepare_geometry(replace(SHORT, satellites=tuple(name for name in whole.tracks.satellites if name[0] == "E")))
+    alone = observe_drawn(galileo, idealise(galileo), draw(whole, np.random.default_rng(5)), SHORT.noise).observations[0]
+    among_all = observe(whole, SHORT.noise, np.random.default_rng(5)).observations[0]
+    assert list(alone.tables) == ["E"]
+    assert_same(replace(among_all, tables={"E": among_all.tables["E"]}), alone)
 
 
 def test_what_is_kept_cannot_be_written_into():
