@@ -37,6 +37,10 @@ class Dataset:
     base_position: np.ndarray | None = None  # (3,) ECEF [m], antenna reference point
     rover_position: np.ndarray | None = None  # (3,) ECEF [m]
     baseline_enu: np.ndarray | None = None  # (3,) [m], base to rover, axes at the base
+    place: str = ""
+    span: str = ""  # from when to when
+    receivers: str = ""
+    credit: str = ""  # whose it is
 
     @property
     def size(self):
@@ -87,6 +91,10 @@ def _dataset(name, entry):
         base_position=_base_position(entry),
         rover_position=_array(entry.get("rover_ecef")),
         baseline_enu=_array(entry.get("baseline_enu")),
+        place=entry["place"],
+        span=entry["span"],
+        receivers=entry["receivers"],
+        credit=entry["credit"],
     )
 
 

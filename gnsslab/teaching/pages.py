@@ -25,7 +25,9 @@ def notation_page():
 
 def data_page():
     """Return the page that says where the measurements come from and whose they are."""
-    return _page("/data", "Data", "")
+    from gnsslab.teaching.data_sources import data_body  # loads numpy, which no other page needs
+
+    return _page("/data", "Data", data_body())
 
 
 def glossary_page():
