@@ -84,6 +84,13 @@ def _(choose, lesson, north, prediction):
 
 
 @app.cell(hide_code=True)
+def _(controls, north, steering):
+    result = north.run(steering.value, controls.value)
+    north.view(result)
+    return (result,)
+
+
+@app.cell(hide_code=True)
 def _(chosen, lesson, north, prediction):
     lesson.wait(prediction)
     steering = north.steering(chosen())
@@ -95,13 +102,6 @@ def _(chosen, north, steering):
     controls = north.controls(steering.value, chosen())
     north.panel(steering, controls)
     return (controls,)
-
-
-@app.cell(hide_code=True)
-def _(controls, north, steering):
-    result = north.run(steering.value, controls.value)
-    north.view(result)
-    return (result,)
 
 
 @app.cell(hide_code=True)

@@ -86,13 +86,9 @@ def _goals_in_short(lab, result):
 
 
 def present_style(lab):
-    """Return the rules that leave only one lab's stage on the page: presets, picture and readouts, then the controls."""
+    """Return the rules that leave only one lab's stage on the page: presets, readouts, picture, controls."""
     stage = f'.gl-stage[data-lab="{lab}"]'
-    return (
-        f".marimo-cell:not(:has({stage}, .gl-head)){{display:none}}"
-        f".marimo-cell:has({stage} .gl-controls){{order:2}}"
-        ".fixed.right-8{display:none}"
-    )
+    return f".marimo-cell:not(:has({stage}, .gl-head)), .fixed.right-8{{display:none}}"
 
 
 def present_head(lesson, labs):
