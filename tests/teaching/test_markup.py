@@ -38,7 +38,8 @@ def _desk(problem=""):
         "toy", "Toy", (Slider("noise", "Noise", 0, 5, 1, 1),), lambda **settings: Result(settings, problem),
         figure=None, drawings=lambda: (Drawing("one", _build, 60, 40), Drawing("two", _build, 30, 30)), describe=lambda r: 'noise < 2 & "low"',
         readouts=lambda r: [Readout("N<", "1", "m", "a & b")], table=None,
-        presets=(Preset("loud", "Loud", {"noise": 5}, "Look <here>."),), goals=(Goal("high", "Noise above 3.", lambda r: (r.settings["noise"] > 3, "Now: <3.")),),
+        presets=(Preset("loud", "Loud", {"noise": 5}, "Look <here>."),),
+        goals=(Goal("high", "Noise above 3.", lambda r: (r.settings["noise"] > 3, "Now: <3.")),),
     )  # fmt: skip
     return Desk(lab)
 
