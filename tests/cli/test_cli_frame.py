@@ -9,7 +9,7 @@ import pytest
 import gnsslab
 from gnsslab.cli import main
 
-COMMANDS = ("course", "answers", "info", "heading", "rtk", "simulate", "data", "data list", "data get", "data path", "data verify", "doctor")
+COMMANDS = ("course", "answers", "grade", "info", "heading", "rtk", "simulate", "data", "data list", "data get", "data path", "data verify", "doctor")
 SCREEN_LINES = 24
 HEAVY = ("numpy", "matplotlib", "numba", "marimo", "pooch", "rich")
 
