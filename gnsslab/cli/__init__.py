@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from gnsslab.cli import answers, course, data, doctor, grade, heading, info, rtk, simulate
+from gnsslab.cli import answers, course, data, doctor, grade, heading, info, rtk, simulate, worksheet
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 app = typer.Typer(
@@ -19,6 +19,7 @@ app = typer.Typer(
 )
 app.command("course", epilog=course.EXAMPLE)(course.course)
 app.command("answers", epilog=answers.EXAMPLE)(answers.answers)
+app.command("worksheet", epilog=worksheet.EXAMPLE)(worksheet.worksheet)
 app.command("grade", epilog=grade.EXAMPLE)(grade.grade)
 app.command("info", epilog=info.EXAMPLE)(info.info)
 app.command("heading", epilog=heading.EXAMPLE)(heading.heading)

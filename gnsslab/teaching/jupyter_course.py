@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import secrets
+import signal
 from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
@@ -107,12 +108,8 @@ def _run_jupyterlab(folder, port, open_browser, is_first, say):
     options = _options(folder, port, open_browser, page)
     server = LabApp.initialize_server(argv=[f"--{name}={value}" for name, value in options.items()])
     say(f"the notebooks are at {server.connection_url.rstrip('/')}{page}?token={options['IdentityProvider.token']} (stop them with Ctrl-C)")
-    try:
-        server.start()
-    except KeyboardInterrupt:
-        pass
-    finally:
-        server.stop()
+    signal.signal(signal.SIGINT, lambda *_: server.stop(from_signal=True))  # JupyterLab would ask whether Ctrl-C was meant
+    server.start()
 
 
 def _options(folder, port, open_browser, page):
@@ -123,7 +120,6 @@ def _options(folder, port, open_browser, page):
         "ServerApp.root_dir": folder,
         "ServerApp.open_browser": open_browser,
         "ServerApp.allow_root": True,  # in a container; others cannot reach it
-        "ServerApp.answer_yes": True,  # Ctrl-C stops at once
         "ServerApp.log_level": "ERROR",
         "IdentityProvider.token": secrets.token_urlsafe(24),
         "LabApp.default_url": page,
@@ -133,4 +129,5 @@ def _options(folder, port, open_browser, page):
         "LabApp.check_for_updates_class": "jupyterlab.NeverCheckForUpdate",
         "LabApp.extension_manager": "readonly",
         "LabApp.log_level": "ERROR",
+        "MappingKernelManager.transport_encryption": "auto",  # or each kernel would warn that it has none
     }

@@ -50,7 +50,7 @@ def head_of(lesson):
     return v4.new_markdown_cell(
         f"# {lesson.title}\n\nLesson {lesson.number} · about {lesson.minutes} minutes · needs {lesson.needs}\n\n"
         f"**Afterwards you can**\n\n{gives}\n\n"
-        "*To start, choose **Run All Cells** in the menu **Run**. For notation, data and glossary, type `gnsslab course` in a terminal.*"
+        "*To start, choose **Run All Cells** in the menu **Run**, then scroll back up. For notation, data and glossary, type `gnsslab course` in a terminal.*"
     )
 
 
