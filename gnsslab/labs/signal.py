@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from gnsslab.data import DataUnavailable
-from gnsslab.gnss.observation_equations import RangeTerms, carrier_range, carrier_range_as_printed
+from gnsslab.gnss.observation_equations import carrier_range, carrier_range_as_printed
 from gnsslab.gnss.screening import cycle_slips
 from gnsslab.gnss.times import seconds_between
 from gnsslab.gnss.weighting import NoiseModel, sigma_phase
@@ -204,7 +204,7 @@ def _measured(recording, satellite, first, second, epoch, equation):
     pure, drift = _carrier_alone(carrier, pair.wavelength, seconds, first, second, arc)
     minus, sigma_code, step = _code_minus_carrier(tracks.code[:, first] - carrier[:, first], drift, seconds, arc, epoch)
     rate, has_doppler = _range_rate(tracks.doppler[:, first], carrier[:, first], pair.wavelength[first], seconds)
-    left = carrier[:, first] - equation(RangeTerms(*(term[:, satellite] for term in recording.terms)))
+    left = carrier[:, first] - equation(recording.terms.part(slice(None), satellite))
     return Track(
         time=pair.time, seconds=seconds, satellite=pair.satellites[satellite], elevation=float(np.nanmedian(recording.elevation[:, satellite])),
         wavelength=float(pair.wavelength[first]), code_minus_carrier=minus, carrier=pure.values, ionosphere_twice=drift,

@@ -1,0 +1,271 @@
+"""Lab of one satellite: every corner of every control computes or explains itself; presets show what they promise."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from gnsslab.data import DataUnavailable
+from gnsslab.gnss.signals import SPEED_OF_LIGHT, wavelength
+from gnsslab.labs import campaigns, signal
+from gnsslab.labs.signal import signal_lab
+from gnsslab.simulate.receivers import white_factor
+
+L1 = wavelength("G", "1")
+MM = 1e-3
+QUIET = {"multipath": 0, "code_noise": 0.1}
+
+
+@pytest.fixture(scope="module")
+def lab():
+    """One lab for all tests, so that its simulations are made once."""
+    return signal_lab()
+
+
+def _says_something(lab, result):
+    """An answer: numbers in the readouts and a picture in words; or one sentence."""
+    if result.problem:
+        return len(result.problem) > 20
+    readouts, track = lab.readouts(result), result.track
+    finite = np.isfinite([track.sigma_code, track.elevation]).all() and np.isfinite(track.left).any()
+    return finite and len(readouts) == 4 and track.satellite in lab.describe(result)
+
+
+@pytest.mark.parametrize("data", ["simulated", "station"])
+@pytest.mark.parametrize("control", [c for c in signal.CONTROLS if c.name not in ("data", *signal.FILES)], ids=lambda c: c.name)
+def test_each_corner_computes_or_explains_itself(lab, control, data):
+    for value in control.corners:
+        result = lab.run(data=data, **{control.name: value})
+        assert not result.problem
+        assert _says_something(lab, result), f"{control.name} = {value}"
+
+
+def test_corners_of_several_controls_at_once(lab):
+    corners = {"elevation_deg": (10, 85), "slip_cycles": (-10, 10), "slip_second": (-10, 10), "slip_at": (10, 90), "clock": ("free", "jumping")}
+    for values in itertools.product(*corners.values()):
+        settings = dict(zip(corners, values, strict=True)) | {"code_noise": 1.5, "multipath": 2, "carrier_noise": 5, "ionosphere": 4}
+        assert _says_something(lab, lab.run(**settings)), settings
+
+
+def test_pictures_can_be_drawn_at_every_preset(lab):
+    from gnsslab.figures.kept import KeptPicture
+
+    pictures = [KeptPicture(d.build, d.width, d.height, sharpness=0.5) for d in lab.drawings()]
+    for preset in lab.presets:
+        result = lab.run(**preset.settings)
+        for picture in pictures:
+            assert result.problem or picture.png(result).startswith(b"\x89PNG")
+
+
+def test_table_has_one_row_an_epoch(lab):
+    columns = lab.table(lab.run())
+    assert {len(column) for column in columns.values()} == {300}
+    assert all(np.isfinite(columns[name]).sum() >= 299 for name in columns if name not in ("time_gps", "slip_found"))
+
+
+def test_same_settings_same_answer_from_another_lab():
+    one, two = (signal_lab().run(seed=7, elevation_deg=30).track for _ in range(2))
+    np.testing.assert_array_equal(one.code_minus_carrier, two.code_minus_carrier)
+
+
+def test_another_seed_is_another_draw(lab):
+    assert not np.array_equal(lab.run(seed=1).track.code_minus_carrier, lab.run(seed=2).track.code_minus_carrier)
+
+
+@pytest.mark.parametrize("cycles", [-10, -3, 1, 2, 8])
+def test_a_slip_is_that_many_wavelengths(lab, cycles):
+    """Up in the carrier to the millimetre, down in code minus carrier to the code's noise."""
+    track = lab.run(slip_cycles=cycles, **QUIET).track
+    before, after = track.carrier[: track.placed], track.carrier[track.placed :]
+    noise_of_mean = np.sqrt(2 / 150)  # the difference of two means of 150 readings
+    assert np.mean(after) - np.mean(before) == pytest.approx(cycles * L1, abs=4 * 3 * MM * noise_of_mean + 2 * MM)
+    assert track.step == pytest.approx(-cycles * L1, abs=4 * 0.15 * noise_of_mean)
+    assert track.found[track.placed]
+
+
+@pytest.mark.parametrize("clock", ["free", "jumping"])
+def test_the_receiver_clock_cancels_in_code_minus_carrier_and_nowhere_else(lab, clock):
+    steered, other = lab.run().track, lab.run(clock=clock).track
+    np.testing.assert_allclose(other.code_minus_carrier, steered.code_minus_carrier, atol=3 * MM)  # rounded as in a file
+    drift = SPEED_OF_LIGHT * (signal.CLOCKS[clock].drift - signal.CLOCKS["steered"].drift)
+    assert np.median(other.range_rate - steered.range_rate) == pytest.approx(drift, rel=0.01)
+    assert not other.found.any()
+
+
+def test_a_clock_jump_moves_code_and_carrier_by_300_km(lab):
+    track = lab.run(clock="jumping").track
+    for rate in (track.code_rate, track.carrier_rate):
+        assert np.nanmin(rate) == pytest.approx(-1e-3 * SPEED_OF_LIGHT, rel=0.01)
+
+
+def test_the_ionosphere_counts_twice(lab):
+    """The slope of code minus carrier, fitted here on its own, against the delays the simulator put in."""
+    track = lab.run(ionosphere=4, elevation_deg=20, **QUIET).track
+    geometry = signal._geometry("steered", 4)
+    delay = geometry.ionosphere[0][:, geometry.tracks.satellites.index(track.satellite)]
+    growth = 2 * (delay[-1] - delay[0])
+    assert abs(growth) > 2.0  # [m], else there is nothing to see
+    fitted = np.polyfit(track.seconds, track.code_minus_carrier, 1)[0] * track.seconds[-1]
+    assert fitted == pytest.approx(growth, abs=4 * 0.3 * np.sqrt(12 / 300))  # sigma of a slope, code of 0.3 m at 15 deg
+    assert track.ionosphere_twice[-1] == pytest.approx(growth, rel=0.03)
+    none = lab.run(ionosphere=0, elevation_deg=20, **QUIET).track
+    assert abs(none.ionosphere_twice[-1]) < 0.1
+
+
+@pytest.mark.parametrize("elevation_deg", [20, 50, 75])
+def test_scatter_is_that_of_the_simulated_law(lab, elevation_deg):
+    """Without multipath: sigma times sqrt(1/2 + 1/(2 sin^2 el)), to four sigma of a standard deviation of 300 readings."""
+    track = lab.run(elevation_deg=elevation_deg, multipath=0, code_noise=0.5, carrier_noise=2).track
+    grown = white_factor(track.elevation)
+    assert track.sigma_code == pytest.approx(0.5 * grown, rel=4 / np.sqrt(600))
+    assert track.sigma_carrier == pytest.approx(2 * MM * grown, rel=4 / np.sqrt(600))
+
+
+def test_the_corrected_equation_leaves_a_constant_and_the_printed_one_runs_away(lab):
+    corrected, printed = (lab.run(clock="free", equation=name).track.left for name in ("corrected", "printed"))
+    assert np.ptp(corrected) < 0.03  # [m]: the carrier's noise
+    run = 2 * SPEED_OF_LIGHT * 1e-7 * 299
+    assert printed[-1] - printed[0] == pytest.approx(run, rel=1e-3)
+
+
+def test_presets_show_what_they_promise(lab):
+    track = {p.name: lab.run(**p.settings).track for p in lab.presets if "data" not in p.settings}
+    ratio = {name: signal._ratio(one) for name, one in track.items()}
+    assert ratio["start"] > 100
+    assert ratio["cheap"] > 100
+    assert track["cheap"].sigma_code / track["start"].sigma_code > 3
+    assert track["multipath"].sigma_code > 3 * track["start"].sigma_code
+    assert track["cycle-slip"].step == pytest.approx(-0.95, abs=0.15)
+    assert track["cycle-slip"].seconds[track["cycle-slip"].found] == pytest.approx([150.0], abs=1.0)
+    assert track["small-slip"].found.sum() == 1
+    assert abs(track["small-slip"].step) < track["small-slip"].sigma_code
+    assert np.degrees(track["horizon"].elevation) < 12
+    zenith = lab.run(elevation_deg=80).track
+    for name in ("sigma_code", "sigma_carrier"):
+        assert 2.5 < getattr(track["horizon"], name) / getattr(zenith, name) < 6
+    assert track["ionosphere"].ionosphere_twice[-1] > 2
+    assert track["printed"].left[-1] == pytest.approx(18_000, rel=0.02)
+
+
+def test_presets_are_within_range(lab):
+    assert {"cycle-slip", "multipath", "cheap"} <= {preset.name for preset in lab.presets}
+    for preset in lab.presets:
+        assert lab.settings(**preset.settings)
+        assert preset.look_at.endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("settings", "name", "reached"),
+    [
+        ({}, "hidden", False),
+        ({"slip_cycles": 1}, "hidden", False),
+        ({"slip_cycles": 1, "slip_second": 1, "elevation_deg": 75}, "hidden", False),  # 54 mm above a threshold of 50
+        ({"slip_cycles": 1, "slip_second": 1, "elevation_deg": 15}, "hidden", True),  # the threshold grows with the noise near the horizon
+        ({"data": "station", "slip_cycles": 4, "slip_second": 3}, "hidden", False),  # against the rules
+        ({"elevation_deg": 15}, "finer", False),
+        ({"elevation_deg": 15, "carrier_noise": 0.5, "multipath": 0, "code_noise": 0.3}, "finer", True),
+        ({"elevation_deg": 60, "carrier_noise": 0.5, "multipath": 0}, "finer", False),
+    ],
+)
+def test_goals_are_judged(lab, settings, name, reached):
+    is_reached, state = lab.goal(name).judge(lab.run(**settings))
+    assert is_reached == reached, state
+    assert state.startswith("Now: ")
+
+
+def test_goals_are_judged_without_an_answer(lab):
+    for goal in lab.goals:
+        assert not goal.judge(lab.run(data="mine"))[0]
+
+
+def test_values_out_of_range_are_refused_in_words(lab):
+    with pytest.raises(ValueError, match=r"^Code noise 9 m is outside 0.1 to 1.5 m$"):
+        lab.run(code_noise=9)
+
+
+def test_controls_without_effect_say_why(lab):
+    assert set(lab.blocked(lab.settings())) == set(signal.FILES)
+    for data in ("real", "station"):
+        reasons = lab.blocked(lab.settings(data=data))
+        assert set(signal.SIMULATION_ONLY) <= set(reasons)
+        assert all(reasons.values())
+    assert not set(signal.FILES) & set(lab.blocked(lab.settings(data="mine")))
+
+
+def test_every_control_not_blocked_has_an_effect(lab):
+    """In the simulation and on real data: both ends of a control show different numbers or pictures."""
+    for data in ("simulated", "station"):
+        blocked = lab.blocked(lab.settings(data=data))
+        for control in signal.CONTROLS:
+            if control.name in blocked or control.name in ("data", "slip_at"):
+                continue
+            low, high = (lab.table(lab.run(data=data, **{control.name: value})) for value in (control.corners[0], control.corners[-1]))
+            assert any(not np.array_equal(low[name], high[name], equal_nan=low[name].dtype.kind == "f") for name in low), control.name
+
+
+def test_real_roof_carrier_is_a_hundred_times_finer(lab, dataset):
+    dataset("matrtklib-static")
+    for elevation_deg in (15, 25, 55, 70):
+        track = lab.run(data="real", elevation_deg=elevation_deg).track
+        assert signal._ratio(track) > 100
+        assert 0.02 < track.sigma_code < 1.0  # [m], a survey antenna
+        assert track.sigma_carrier < 3 * MM
+        assert track.has_doppler
+    assert np.nanstd(track.left) < 1.0  # [m]: the equation holds to the noise of the receiver's clock
+
+
+def test_printed_equation_shows_on_real_data_too(lab, dataset):
+    """That receiver's clock drifts by 34 m/s: as printed the equation leaves twice that."""
+    dataset("matrtklib-static")
+    left = lab.run(data="real", equation="printed").track.left
+    assert abs(left[-1]) == pytest.approx(2 * 33.7 * 300, rel=0.02)
+
+
+def test_the_set_that_travels_along_needs_no_network(lab, monkeypatch, tmp_path):
+    monkeypatch.delenv("GNSSLAB_DATA_MIRROR", raising=False)
+    monkeypatch.setenv("GNSSLAB_CACHE", str(tmp_path))
+    result = signal_lab().run(data="station", slip_cycles=2)
+    assert result.note == ""
+    assert result.track.found[result.track.placed]
+    assert not result.track.has_doppler
+    assert "no Doppler" in lab.readouts(result)[3].note
+
+
+def test_without_network_and_mirror_the_lab_goes_on(monkeypatch):
+    def refuse(name):
+        raise DataUnavailable(f"the data set {name} is not on this machine")
+
+    monkeypatch.setattr(campaigns, "fetch", refuse)
+    result = signal_lab().run(data="real")
+    assert result.problem == ""
+    assert "so this is simulated" in result.note
+
+
+def test_own_files_missing_are_named(lab):
+    assert "your observation and navigation files are missing" in lab.run(data="mine").problem
+    assert "your navigation file is missing" in lab.run(data="mine", observation_file="a.obs").problem
+
+
+def test_own_files_that_cannot_be_read_get_a_sentence(lab, tmp_path):
+    empty = tmp_path / "empty.obs"
+    empty.write_bytes(b"")
+    for path in (empty, tmp_path / "absent.obs", tmp_path):
+        assert lab.run(data="mine", observation_file=path, navigation_file=path).problem.startswith("No answer: ")
+
+
+@pytest.mark.parametrize("bands", [1, 2])
+def test_own_files_give_the_noise_of_the_simulation_they_came_from(lab, tmp_path, bands):
+    """The loop through RINEX; with one band there is nothing to hold the carrier against."""
+    from dataclasses import replace
+
+    from gnsslab.simulate import Noise, find_preset, simulate, write_simulation
+
+    noise = Noise(code=0.5, carrier=0.002, code_multipath=0.0, carrier_multipath=0.0)
+    write_simulation(tmp_path, simulate(replace(find_preset("static-baseline"), noise=noise, bands=bands), np.random.default_rng(5)))
+    result = lab.run(data="mine", observation_file=tmp_path / "rover.obs", navigation_file=tmp_path / "broadcast.nav")
+    grown = white_factor(result.track.elevation)
+    assert result.track.sigma_code == pytest.approx(0.5 * grown, rel=0.2)
+    if bands == 2:
+        assert result.track.sigma_carrier == pytest.approx(2 * MM * grown, rel=0.2)
+    else:
+        assert lab.readouts(result)[1].value == "none"
