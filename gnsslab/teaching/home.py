@@ -21,7 +21,7 @@ def home_body(progress, present):
         hero=_greeting(standings, present),
         presenting=PRESENTING if present else "",
         lessons="\n".join(_card(lesson, standing, present) for lesson, standing in standings),
-        record=_record(progress) if progress else "",
+        record=_record(progress, entries) if progress else "",
     )
 
 
@@ -84,25 +84,25 @@ def _count(done, all_, noun, participle):
     return f"{done} of {all_} {noun}{'s' * (all_ != 1)} {participle}"
 
 
-def _record(progress):
-    """Return where the answers are kept, with export and reset."""
-    return (
-        f'<section class="record" aria-label="Your answers">{_where_kept(progress)}'
-        '<p>Take them with you as <a href="/progress.csv" download>CSV</a> or <a href="/progress.json" download>JSON</a>.</p>'
-        '<details><summary>Begin anew</summary><form method="post" action="/progress/reset">'
-        "<p>Every lesson will show as not begun. The file so far is kept beside the new one, under another name.</p>"
-        '<button class="button">Yes, begin anew</button></form></details></section>'
-    )
+def _record(progress, entries):
+    """Return where the answers are kept; once there are some, how to take them along and how to begin anew."""
+    return f'<section class="record" aria-label="Your answers"><p>{_where_kept(progress)}{_TAKE_ALONG if entries else "</p>"}</section>'
+
+
+_TAKE_ALONG = """ Take them along as <a href="/progress.csv" download>CSV</a> or <a href="/progress.json" download>JSON</a>.</p>
+<details><summary>Begin anew</summary><form method="post" action="/progress/reset">
+<p>Every lesson will show as not begun. The file so far stays beside the new one, under another name.</p>
+<button class="button">Yes, begin anew</button></form></details>"""
 
 
 def _where_kept(progress):
     if progress.problem:
-        return f'<p class="problem" role="alert">{escape(progress.problem)}</p>'
+        return f'<strong role="alert">{escape(progress.problem)}</strong>'
     if progress.path is None:
-        return "<p>Your answers are kept only until the course is stopped.</p>"
+        return "Your answers are not kept: they are forgotten when you close a lesson."
     if progress.path == own_progress().path:
-        return "<p>Your answers are kept on this machine, in a file of your own, and nowhere else.</p>"
-    return "<p>Your answers are kept for this browser, apart from everyone else's, on the machine that serves the class.</p>"
+        return "Your answers are kept on this machine, in a file of your own, and nowhere else."
+    return "Your answers are kept for this browser, apart from everyone else's, on the machine that serves the class."
 
 
 def _address(lesson, present):

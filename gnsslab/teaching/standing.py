@@ -1,9 +1,8 @@
 """How far a student is in a lesson: prediction, questions and goals, counted from what was recorded."""
 
-import re
 from dataclasses import dataclass
 
-_GOAL = re.compile(r"""\.goal\(\s*["']([^"']+)["']""")  # how a lesson shows a goal: north.goal("sharp", result)
+from gnsslab.teaching.steps import steps_of
 
 
 @dataclass(frozen=True)
@@ -45,12 +44,12 @@ class Standing:
 def standing_in(lesson, entries):
     """Return the Standing in a lesson, from the recorded entries of all lessons."""
     own = [entry for entry in entries if entry.lesson == lesson.number]
-    questions, goals = _question_names(lesson), goals_of(lesson)
+    questions, goals = {question.name for question in lesson.exercises.QUESTIONS}, goals_of(lesson)
     return Standing(
         is_predicted=any(entry.kind == "prediction" for entry in own),
         right=sum(entry.kind == "question" and entry.is_right is True and entry.item in questions for entry in own),
         questions=len(questions),
-        reached=min(sum(entry.kind == "goal" and entry.is_right is True for entry in own), len(goals)),
+        reached=sum(entry.kind == "goal" and entry.is_right is True and entry.item in goals for entry in own),
         goals=len(goals),
         last=max((entry.time for entry in own), default=""),
     )
@@ -60,14 +59,7 @@ def goals_of(lesson):
     """Return the names of the goals that a lesson shows, read from its file: opening its labs would load the engine.
 
     >>> from gnsslab.teaching.catalogue import find_lesson
-    >>> goals_of(find_lesson(0))
-    ['sharp', 'frugal']
+    >>> sorted(goals_of(find_lesson(0)))
+    ['frugal', 'sharp']
     """
-    return list(dict.fromkeys(_GOAL.findall(lesson.path.read_text("utf-8"))))
-
-
-def _question_names(lesson):
-    try:
-        return [question.name for question in lesson.exercises.QUESTIONS]
-    except ModuleNotFoundError:  # a lesson whose exercises are still to come
-        return []
+    return {step.name for step in steps_of(lesson.path.read_text("utf-8")) if step.kind == "goal"}
