@@ -7,7 +7,7 @@ from nbformat import v4, validate, writes
 from gnsslab.teaching.catalogue import find_lesson
 from gnsslab.teaching.steps import steps_of
 
-COURSE_LINK = re.compile(r"\[([^\]]+)\]\((/[^)]*)\)")  # Markdown link to an address of the course's server
+COURSE_LINK = re.compile(r"(?<!!)\[([^\]]+)\]\((/[^)]*)\)")  # Markdown link to an address of the course's server
 LESSON_ADDRESS = re.compile(r"/lesson/(\d\d)/?(?:[?#].*)?")
 NOT_FOR_JUPYTER = re.compile(r"^[ ]*///|::[a-z]+:[a-z-]+::|<marimo-|<style|<script|(?:href|src)=[\"']?/|\]\(/", re.MULTILINE)
 
@@ -50,7 +50,8 @@ def head_of(lesson):
     return v4.new_markdown_cell(
         f"# {lesson.title}\n\nLesson {lesson.number} · about {lesson.minutes} minutes · needs {lesson.needs}\n\n"
         f"**Afterwards you can**\n\n{gives}\n\n"
-        "*To start, choose **Run All Cells** in the menu **Run**, then scroll back up. For notation, data and glossary, type `gnsslab course` in a terminal.*"
+        "*To start, choose **Run All Cells** in the menu **Run**, then scroll back up. "
+        "For notation, data and glossary, type `gnsslab course` in a terminal.*"
     )
 
 
