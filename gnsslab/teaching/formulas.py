@@ -20,7 +20,7 @@ ENTITIES = {
 ACCENTS = {"hat": "\u0302", "check": "\u030c", "bar": "\u0304", "dot": "\u0307", "tilde": "\u0303"}
 SPACED = {"=": "=", "+": "+", "-": "\N{MINUS SIGN}", r"\sim": "\N{TILDE OPERATOR}"}
 WORDS = ("mathrm", "text", "operatorname")  # their argument is set upright
-_SIGN = re.compile("(= |\\() *(\N{MINUS SIGN}) ")  # a minus that takes nothing away from anything
+_SIGN = re.compile("(^|= |\\(|<sup>) *(\N{MINUS SIGN}) ")  # a minus that takes nothing away from anything
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}_^]|\s+|.")
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from gnsslab.data import find_dataset, read_registry
 from gnsslab.data.locations import project_folder
-from gnsslab.gnss.frames import enu_rotation
+from gnsslab.gnss.frames import enu_rotation, geodetic_from_ecef
+from gnsslab.gnss.rinex import read_rinex_obs
 
 millimetre = 1e-3
 TRAVELS = "cssrlib-078"
@@ -63,3 +64,24 @@ def test_repr_can_be_read_aloud():
     assert repr(find_dataset("geonet-0759-3040")) == (
         "Dataset geonet-0759-3040: 3.34 km GPS L1/L2 baseline, 57 min at 30 s, 2005-04-02; 4 files, 0.3 MB"
     )
+
+
+@pytest.mark.parametrize("name", read_registry())
+def test_each_set_says_where_when_with_what_and_whose_it_is(name):
+    known = find_dataset(name)
+    assert known.place
+    assert known.receivers
+    assert known.credit
+    assert re.match(r"\d{4}-\d\d-\d\d", known.span)
+
+
+@pytest.mark.parametrize("name", [name for name, known in read_registry().items() if known.rover])
+def test_place_and_span_are_those_of_the_files(dataset, name):
+    known = find_dataset(name)
+    observed = read_rinex_obs(dataset(name) / (known.base or known.rover))
+    latitude, longitude, _ = geodetic_from_ecef(observed.header.position_ecef)
+    for degrees, letters in ((np.degrees(latitude), "NS"), (np.degrees(longitude), "EW")):
+        assert f"{abs(degrees):.1f} {letters[int(degrees < 0)]}" in known.place
+    first, last = (np.datetime_as_string(label, "s") for label in (observed.time[0], observed.time[-1] + np.timedelta64(100, "ms")))
+    assert known.span.startswith(f"{first[:10]}, {first[11:]} to ")
+    assert last[11:] in known.span

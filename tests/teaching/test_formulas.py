@@ -17,6 +17,7 @@ from gnsslab.teaching.formulas import html_of
         (r"\mathrm{PDOP}", "PDOP"),
         ("a - b", "<i>a</i> \N{MINUS SIGN} <i>b</i>"),
         ("a = -b", "<i>a</i> = \N{MINUS SIGN}<i>b</i>"),
+        ("Q^{-1}", "<i>Q</i><sup>\N{MINUS SIGN}1</sup>"),
         ("a < b", "<i>a</i>&lt;<i>b</i>"),
         (" b ", "<i>b</i>"),
     ],

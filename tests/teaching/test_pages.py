@@ -72,6 +72,26 @@ def test_page_follows_the_systems_dark_mode_and_can_be_printed(page):
     assert "@media print" in page
 
 
+def test_letters_stand_out_from_their_ground():
+    light, dark = [dict(re.findall(r"--(\w+): (#\w{6})", block)) for block in re.findall(r":root \{([^}]*)\}", home_page())[:2]]
+    for colours in (light, dark):
+        for ink in ("ink", "soft", "accent", "needle", "good"):
+            for ground in ("paper", "card"):
+                assert _contrast(colours[ink], colours[ground]) >= 4.5, (ink, ground)  # WCAG 2.1, level AA
+
+
+def _contrast(one, other):
+    """Return the contrast of two colours as WCAG 2.1 defines it, 1 to 21."""
+    brighter, darker = sorted((_luminance(one), _luminance(other)), reverse=True)
+    return (brighter + 0.05) / (darker + 0.05)
+
+
+def _luminance(colour):
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    red, green, blue = [part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
 def test_links_within_the_course_lead_somewhere(page):
     outline = Outline(page)
     assert len(set(outline.ids)) == len(outline.ids)
