@@ -15,6 +15,7 @@ Present = Annotated[bool, typer.Option("--present", help="Lessons as for a proje
 Token = Annotated[str | None, typer.Option("--token", metavar="TEXT", show_default=False, help="Token that opens a class [drawn anew].")]
 NoToken = Annotated[bool, typer.Option("--no-token", help="Let in whoever reaches this machine.")]
 Jupyter = Annotated[bool, typer.Option("--jupyter", help="The lessons as notebooks in JupyterLab, in ./gnsslab-course.")]
+Workers = Annotated[int | None, typer.Option("--workers", metavar="N", show_default=False, help="Processes that serve a class [one a core].")]
 
 
 def course(
@@ -24,18 +25,23 @@ def course(
     present: Present = False,
     token: Token = None,
     no_token: NoToken = False,
+    workers: Workers = None,
     jupyter: Jupyter = False,
 ):
     """Open the course in your browser: all lessons on one page, until you press Ctrl-C."""
     within("--port", port, 1, 65535, "a port number")
+    if workers is not None:
+        within("--workers", workers, 1, 64, "processes")
     if token is not None and no_token:
         raise ValueError("--token and --no-token exclude each other: give one of them")
     if jupyter:
-        _notebooks(host, port, no_browser, {"--present": present, "--token": token is not None, "--no-token": no_token})
+        _notebooks(
+            host, port, no_browser, {"--present": present, "--token": token is not None, "--no-token": no_token, "--workers": workers is not None}
+        )
         return
     from gnsslab.teaching.course import serve
 
-    serve(host, port, open_browser=not no_browser, token="" if no_token else token, present=present)
+    serve(host, port, open_browser=not no_browser, token="" if no_token else token, workers=workers, present=present)
 
 
 def _notebooks(host, port, no_browser, others):

@@ -28,7 +28,7 @@ def serve_notebooks(host="127.0.0.1", port=8000, open_browser=True, say=print):
 
     Raises ValueError where JupyterLab is not installed, or where others than this machine's user would be served.
     """
-    from gnsslab.teaching.course import LOOPBACK, free_socket
+    from gnsslab.teaching.network import LOOPBACK, free_socket
 
     if host not in LOOPBACK:
         raise ValueError(f"--jupyter is for this machine only, not for {host}: a notebook runs any program. To serve a class, leave --jupyter out")
