@@ -18,27 +18,34 @@ MM = 1e-3
 
 
 def plot_correlation(result, figure=None):
-    """Draw all pictures of a CorrelationResult; return the Figure."""
+    """Draw both pictures of a CorrelationResult side by side; return the Figure."""
     with rc_context(STYLE):
-        figure = figure if figure is not None else new_figure(880, 640)
-        above, below = figure.subfigures(2, 1, height_ratios=(1.1, 1))
-        for build, part in ((build_matrices, above), (build_consequences, below)):
+        figure = figure if figure is not None else new_figure(840, 540)
+        pattern, cloud = figure.subfigures(1, 2, width_ratios=(1.35, 1))
+        for build, part in ((build_pattern, pattern), (build_cloud, cloud)):
             build(part).show(result)
     return figure
 
 
-def build_matrices(figure):
-    """Lay out two heat maps: the covariance that the noise shows, and the one the solver believes; show(result) fills them in."""
+def build_pattern(figure):
+    """Lay out the covariance that the noise shows beside the one the solver believes, and below them the ratios; show(result) fills them in."""
     titles = ("what the noise does", "what the solver believes")
-    panels = [_Matrix(figure.add_axes((left, 0.03, 0.47, 0.86)), title) for left, title in zip((0.015, 0.515), titles, strict=True)]
+    matrices = [_Matrix(figure.add_axes((left, 0.50, 0.475, 0.445)), title) for left, title in zip((0.015, 0.51), titles, strict=True)]
+    ratios = _Ratios(figure.add_axes((0.11, 0.095, 0.83, 0.29)))
 
     def show(result):
         most = max(float(np.max(result.sampled)), 1e-12)
-        for panel, Q in zip(panels, (result.sampled, result.believed), strict=True):
-            panel.show(Q, most)
-        return len(result.believed)
+        for matrix, Q in zip(matrices, (result.sampled, result.believed), strict=True):
+            matrix.show(Q, most)
+        return ratios.show(result)
 
-    return Scene(tuple(artist for panel in panels for artist in panel.moving), show)
+    return Scene(tuple(artist for part in (*matrices, ratios) for artist in part.moving), show)
+
+
+def build_cloud(figure):
+    """Lay out the baselines of all epochs and the ellipse that the solver claims; show(result) fills them in."""
+    cloud = _Cloud(figure.add_axes((0.17, 0.13, 0.78, 0.74)))
+    return Scene(cloud.moving, cloud.show)
 
 
 class _Matrix:
@@ -65,18 +72,7 @@ class _Matrix:
         lower_left = np.column_stack([column, n - 1 - row]) / n
         self.cells.set_verts(lower_left[:, np.newaxis] + corners)
         self.cells.set_facecolor(BLUES(0.85 * shade))
-        self.numbers.show([_cell(value) for value in Q.ravel()], lower_left + 0.5 / n, shade > 0.75, min(0.036, 0.21 / n))
-
-
-def build_consequences(figure):
-    """Lay out the ratios of all epochs beside the cloud of their baselines; show(result) fills them in."""
-    ratios, cloud = figure.add_axes((0.07, 0.16, 0.50, 0.70)), figure.add_axes((0.67, 0.16, 0.31, 0.70))
-    parts = (_Ratios(ratios), _Cloud(cloud))
-
-    def show(result):
-        return tuple(part.show(result) for part in parts)
-
-    return Scene(tuple(artist for part in parts for artist in part.moving), show)
+        self.numbers.show([_cell(value) for value in Q.ravel()], lower_left + 0.5 / n, shade > 0.75, min(0.045, 0.27 / n))
 
 
 class _Ratios:
@@ -97,8 +93,8 @@ class _Ratios:
         (self.right,) = axes.fill(*_steps(np.zeros(len(BINS) - 1)), color=RIGHT_COLOR, label="right integers")
         (self.best,) = axes.plot([], [], color=BEST_COLOR, linewidth=1.4, label="were correlation respected")
         (self.threshold,) = axes.plot([], [], "--", color=CLAIM_COLOR, linewidth=1.2, label="believed from here on")
-        axes.figure.legend(
-            handles=[self.right, self.wrong, self.best, self.threshold], loc="upper left", ncols=2, bbox_to_anchor=(0.06, 1.01), fontsize=8.5,
+        axes.legend(
+            handles=[self.right, self.wrong, self.best, self.threshold], loc="lower left", ncols=2, bbox_to_anchor=(-0.03, 1.0), fontsize=9,
             handlelength=1.4, columnspacing=1.2, labelspacing=0.2,
         )  # fmt: skip
 
@@ -120,13 +116,13 @@ class _Ratios:
 
 
 class _Cloud:
-    """Baselines of all epochs, with the right integers, from the side; the ellipse is what the solver claims."""
+    """Baselines of all epochs, with the right integers, seen from the south; the ellipse is what the solver claims."""
 
     def __init__(self, axes):
         self.axes = axes
         axes.set_xlabel("east [mm]")
         axes.set_ylabel("up [mm]", labelpad=1)
-        axes.set_title("baseline, and 95 % as claimed", fontsize=9.5)
+        axes.set_title("fixed baselines,\nand the 95 % that the solver claims", fontsize=9.5)
         axes.xaxis.set_major_locator(MaxNLocator(4, symmetric=True))
         axes.yaxis.set_major_locator(MaxNLocator(5, symmetric=True))
         (self.dots,) = axes.plot([], [], "o", color=RIGHT_COLOR, markersize=2, alpha=0.6)
@@ -166,12 +162,12 @@ def describe_correlation(result):
 
 
 def _cell(value):
-    """Return a number of a matrix in at most three digits.
+    """Return a number of a matrix in two digits, or in as many as its whole part has.
 
     >>> _cell(4.0), _cell(1.98), _cell(666.67), _cell(-0.04)
     ('4.0', '2.0', '667', '0.0')
     """
-    return f"{value:.0f}" if abs(value) >= 99.95 else f"{value + 0.0:.1f}".replace("-0.0", "0.0")
+    return f"{value:.0f}" if abs(value) >= 9.95 else f"{round(value, 1) + 0.0:.1f}"
 
 
 def _beside(Q):

@@ -66,7 +66,7 @@ FILES = ("master_file", "rover_file", "navigation_file")
 SIMULATION_ONLY = ("code_noise", "carrier_noise", "seed")
 
 PRESETS = (
-    Preset("start", "Start", {},
+    Preset("pattern", "Start", {},
            "Left, from the noise itself: about 4 on the diagonal and 2 beside it. Right, by the formula: the same, and most epochs are solved."),
     Preset("ignored", "Correlation ignored", {"belief": "ignored"},
            "The same measurements, the zeros on the right: the ratios fall, and up scatters more than the solver admits."),
@@ -81,7 +81,7 @@ PRESETS = (
            "Sigmas where variances belong: carriers look 13 times worse than they are, and hardly an epoch is believed."),
     Preset("few", "Six satellites", {"satellites": 6},
            "Five differences for three coordinates: the integers are lost, whatever the solver believes."),
-    Preset("real", "Two real stations", {"data": "real", "satellites": 6, "reference": "low"},
+    Preset("real-pattern", "Two real stations", {"data": "real", "satellites": 6, "reference": "low"},
            "Nobody simulated this: the residuals of an hour in Japan show the pattern by themselves, on the left."),
     Preset("real-ignored", "Two real stations, ignored", {"data": "real", "satellites": 6, "reference": "low", "belief": "ignored"},
            "The same hour with the correlation ignored: fewer epochs get the right integers, and the baseline now depends on the reference."),
@@ -279,9 +279,9 @@ def figure(result):
 
 def drawings():
     """Return the two pictures of the lab."""
-    from gnsslab.figures.correlation import build_consequences, build_matrices
+    from gnsslab.figures.correlation import build_cloud, build_pattern
 
-    return Drawing("matrices", build_matrices, 600, 320), Drawing("consequences", build_consequences, 860, 300)
+    return Drawing("pattern", build_pattern, 460, 540), Drawing("cloud", build_cloud, 350, 360)
 
 
 def describe(result):
