@@ -80,3 +80,21 @@ def test_texts_read_well(question):
         assert text.replace(r"\$", "").count("$") % 2 == 0, f"a formula is not closed: {text}"
         assert text[-1] in ".?!", text
         assert max(map(len, text.splitlines())) < 400, "too long for one paragraph"
+
+
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.number)
+def test_the_lesson_itself_does_not_give_the_answers_away(lesson):
+    """No answer, rounded to three digits or more, stands in the lesson's own text: results and printed errors have other numbers."""
+    told = {number for number in re.findall(r"\d+\.\d+", lesson.path.read_text("utf-8")) if len(number.replace(".", "").lstrip("0")) >= 3}
+    answers = {abs(question.answer): question.name for question in lesson.exercises.QUESTIONS}
+    assert told
+    assert [(name, number) for answer, name in answers.items() for number in told if is_rounded(number, answer)] == []
+
+
+def is_rounded(number, answer):
+    """Return whether a number in digits is the answer, rounded.
+
+    >>> is_rounded("21.34", 21.3444), is_rounded("1.49", 1.5)
+    (True, False)
+    """
+    return f"{answer:.{len(number.partition('.')[2])}f}" == number

@@ -102,46 +102,46 @@ QUESTIONS = (
     Question(
         name="sigma-of-a-tilted-beam",
         text=(
-            r"A beam of 1.167 m has a heading of 50 deg and a pitch of 25 deg. The standard deviations of its far end are "
-            r"$\sigma_e = 6$ mm, $\sigma_n = 9$ mm and $\sigma_u = 16$ mm, without correlation. What is the standard deviation of heading?"
+            r"A beam of 1.5 m has a heading of 60 deg and a pitch of 30 deg. The standard deviations of its far end are "
+            r"$\sigma_e = 5$ mm, $\sigma_n = 8$ mm and $\sigma_u = 12$ mm, without correlation. What is the standard deviation of heading?"
         ),
-        answer=0.42795,
-        tolerance=0.005,
+        answer=0.324863,
+        tolerance=0.004,
         unit="deg",
         hints=(
-            r"Across the beam, on the level: $\sqrt{\cos^2\!\psi\,\sigma_e^2 + \sin^2\!\psi\,\sigma_n^2}$. It should be 7.9 mm.",
-            r"Seen from above, the beam is only $\ell\cos\theta = 1.058$ m long. Divide by that, then convert from radians.",
+            r"Across the beam, on the level: $\sqrt{\cos^2\!\psi\,\sigma_e^2 + \sin^2\!\psi\,\sigma_n^2}$. It should be 7.4 mm.",
+            r"Seen from above, the beam is only $\ell\cos\theta = 1.30$ m long. Divide by that, then convert from radians.",
         ),
         solution=(
-            r"Across: $\sqrt{0.413 \cdot 36 + 0.587 \cdot 81} = 7.90$ mm. From above the beam is $1167 \cdot \cos 25° = 1058$ mm long. "
-            r"So $\sigma_\psi = 7.90 / 1058 = 0.00747$ rad $= 0.428°$." "\n\n"
+            r"Across: $\sqrt{0.25 \cdot 25 + 0.75 \cdot 64} = 7.37$ mm. From above the beam is $1500 \cdot \cos 30° = 1299$ mm long. "
+            r"So $\sigma_\psi = 7.37 / 1299 = 0.00567$ rad $= 0.325°$." "\n\n"
             "A beam that points east is turned by errors to the north, and the other way round. That is why $\\cos\\psi$ goes with $\\sigma_e$."
         ),
         mistakes=(
-            UsualMistake(0.00747, "That is in radians. Multiply by $180/\\pi$."),
-            UsualMistake(0.38786, r"You forgot $\cos\theta$: seen from above, a tilted beam is shorter, so the same millimetres turn it further."),
-            UsualMistake(0.40026, r"You swapped the sigmas. $\cos\psi$ goes with $\sigma_e$: errors to the east turn a beam that points north."),
-            UsualMistake(3.3807, "You forgot the root: that is a variance divided by a length. Take the root before you divide."),
+            UsualMistake(0.00567, "That is in radians. Multiply by $180/\\pi$."),
+            UsualMistake(0.28134, r"You forgot $\cos\theta$: seen from above, a tilted beam is shorter, so the same millimetres turn it further."),
+            UsualMistake(0.26001, r"You swapped the sigmas. $\cos\psi$ goes with $\sigma_e$: errors to the east turn a beam that points north."),
+            UsualMistake(2.3928, "You forgot the root: that is a variance divided by a length. Take the root before you divide."),
         ),
     ),
     Question(
         name="pitch-as-printed",
-        text=r"A mast has a true pitch of 20 deg. Which pitch does the formula as printed give, $\arcsin(u/h)$ with $h = \sqrt{e^2+n^2}$?",
-        answer=21.3444,
+        text=r"A mast has a true pitch of 25 deg. Which pitch does the formula as printed give, $\arcsin(u/h)$ with $h = \sqrt{e^2+n^2}$?",
+        answer=27.7949,
         tolerance=0.05,
         unit="deg",
         hints=(
-            r"What is $u/h$ at a pitch of 20 deg? It is the opposite side over the adjacent side.",
-            r"$u/h = \tan 20° = 0.36397$. Now take the arcsin of it.",
+            r"What is $u/h$ at a pitch of 25 deg? It is the opposite side over the adjacent side.",
+            r"$u/h = \tan 25° = 0.46631$. Now take the arcsin of it.",
         ),
         solution=(
-            r"$u/h = \tan 20° = 0.36397$ and $\arcsin(0.36397) = 21.34°$: an error of $1.34°$." "\n\n"
-            r"The error grows as $\theta^3/2$ (in radians), so on a level roof nobody sees it. Above 45 deg, $u/h$ exceeds one and has no arcsin."
+            r"$u/h = \tan 25° = 0.46631$ and $\arcsin(0.46631) = 27.79°$: an error of $2.79°$." "\n\n"
+            r"Small angles err by $\theta^3/2$ (in radians): on a level roof nobody sees it. Above 45 deg, $u/h$ exceeds one and has no arcsin."
         ),
         mistakes=(
-            UsualMistake(20.0, r"That is the true pitch. The corrected $\operatorname{atan2}(u,\ h)$ gives it; the printed formula takes an arcsin."),
-            UsualMistake(18.8823, r"You took $\arctan(\sin\theta)$. The print has it the other way round: the arcsin of a tangent."),
-            UsualMistake(0.37253, "That is in radians. Multiply by $180/\\pi$."),
+            UsualMistake(25.0, r"That is the true pitch. The corrected $\operatorname{atan2}(u,\ h)$ gives it; the printed formula takes an arcsin."),
+            UsualMistake(22.9098, r"You took $\arctan(\sin\theta)$. The print has it the other way round: the arcsin of a tangent."),
+            UsualMistake(0.48511, "That is in radians. Multiply by $180/\\pi$."),
         ),
     ),
 )  # fmt: skip

@@ -77,27 +77,25 @@ def test_swapped_cables_turn_the_baseline_of_the_library():
 
 
 def test_sigma_of_a_tilted_beam_is_the_scatter_of_drawn_ends(rng):
-    b, sigmas = tilted(math.radians(50), math.radians(25), 1.167), np.array([0.006, 0.009, 0.016])
+    b, sigmas = tilted(math.radians(60), math.radians(30), 1.5), np.array([0.005, 0.008, 0.012])
     scatter = np.degrees(np.std(heading_pitch_of(b + rng.standard_normal((DRAWS, 3)) * sigmas).heading))
     assert scatter == pytest.approx(ASKED["sigma-of-a-tilted-beam"].answer, rel=5 * SIGMA_OF_SIGMA + 1e-4)  # and the bend of atan2
     assert np.degrees(angle_sigmas(b, np.diag(sigmas) ** 2)[0]) == answer("sigma-of-a-tilted-beam")
-    assert ASKED["sigma-of-a-tilted-beam"].answer == pytest.approx(0.428, abs=5e-4)  # as worked out for the paper
 
 
 def test_mistakes_of_the_sigma_of_a_tilted_beam():
-    c, s, level = math.cos(math.radians(50)), math.sin(math.radians(50)), 1.167 * math.cos(math.radians(25))
-    across, swapped = math.hypot(6 * c, 9 * s), math.hypot(9 * c, 6 * s)
+    c, s, level = math.cos(math.radians(60)), math.sin(math.radians(60)), 1.5 * math.cos(math.radians(30))
+    across, swapped = math.hypot(5 * c, 8 * s), math.hypot(8 * c, 5 * s)
     radians = across / 1000 / level
-    degrees = [math.degrees(mm / 1000 / metres) for mm, metres in ((across, 1.167), (swapped, level), (across**2, level))]
+    degrees = [math.degrees(mm / 1000 / metres) for mm, metres in ((across, 1.5), (swapped, level), (across**2, level))]
     assert mistakes("sigma-of-a-tilted-beam") == pytest.approx([radians, *degrees], rel=2e-4)
 
 
 def test_pitch_as_printed_on_a_mast_of_the_library():
-    e, n, u = tilted(math.radians(70), math.radians(20), 3.0)
+    e, n, u = tilted(math.radians(70), math.radians(25), 3.0)
     printed = math.asin(u / math.hypot(e, n))
     assert math.degrees(printed) == answer("pitch-as-printed")
-    assert ASKED["pitch-as-printed"].answer == pytest.approx(21.344, abs=5e-4)  # as worked out for the paper
-    slips = [20.0, math.degrees(math.atan(math.sin(math.radians(20)))), printed]
+    slips = [25.0, math.degrees(math.atan(math.sin(math.radians(25)))), printed]
     assert mistakes("pitch-as-printed") == pytest.approx(slips, rel=1e-4)
 
 
