@@ -1,4 +1,4 @@
-"""A lab in JupyterLab: closed until the prediction, then presets, controls, pictures and "save this" in one box; goals in cells of their own."""
+"""A lab in JupyterLab: closed until the prediction, then presets, pictures, controls and "save this" in one box; goals in cells of their own."""
 
 from html import escape
 from urllib.parse import parse_qsl
@@ -64,7 +64,7 @@ class NotebookLab(Shown):
         self.controls = {control.name: shown_control(control, self.desk, self._moved) for control in self.desk.lab.controls}
         self._run({})
         above = [HTML(f"<style>{STYLE}</style>"), *map(note, self._notes), self._presets()]
-        self.box.children = [*above, *self._panel(), self.view, SavingRow(self._lesson, self.desk).box]
+        self.box.children = [*above, self.view, *self._panel(), SavingRow(self._lesson, self.desk).box]
 
     def _presets(self):
         buttons = [Button(description=preset.label, tooltip=preset.look_at, layout=Layout(width="auto")) for preset in self.desk.lab.presets]
