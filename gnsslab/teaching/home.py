@@ -35,7 +35,7 @@ def _greeting(standings, present):
     lesson, standing = _next(standings, begun)
     verb = "Continue with" if standing.is_begun else "Go on to"
     button = f'<a class="button" href="{_address(lesson, present)}">{verb} lesson {lesson.number}</a>'
-    return _way_back("Welcome back.", f"<strong>{escape(lesson.title)}</strong> {_in_words(standing)}", button)
+    return _way_back("Welcome back.", f"<strong>{escape(lesson.title)}</strong><br>{_in_words(standing)}", button)
 
 
 def _next(standings, begun):
