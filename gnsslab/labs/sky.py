@@ -71,23 +71,23 @@ FILES = ("observation_file", "navigation_file")
 SIMULATION_ONLY = ("hour", "latitude_deg", "multipath", "code_noise", "ionosphere", "seed")
 
 PRESETS = (
-    Preset("start", "Start", {},
+    Preset("sky", "Start", {},
            "On the right: every code errs within half a metre overhead, and within two metres near the horizon."),
     Preset("high-mask", "High mask", {"mask_deg": 35},
            "The bad satellites are gone, and so is the geometry: the residuals shrink, yet up is worse than before."),
     Preset("city", "City street", {"mask_deg": 50, "systems": "GE"},
            "What two systems leave above the roofs stands close together: little disagreement, and a large VDOP."),
-    Preset("all", "The whole sky", {"systems": "GECJ"},
+    Preset("all-systems", "The whole sky", {"systems": "GECJ"},
            "Nearly forty satellites of four systems: DOP nearly halves, and the error with it, though each code is as noisy as before."),
-    Preset("multipath", "Multipath", {"multipath": 1.5},
+    Preset("bad-site", "Bad site", {"multipath": 1.5},
            "The fan opens: near the horizon the codes are off by ten metres, far outside what the engine promises."),
     Preset("noon", "Noon and stormy", {"hour": 13, "ionosphere": 2, "mask_deg": 5},
            "Half of the ionosphere is left in the codes: the low satellites all err to one side, and the height is wrong by metres."),
     Preset("pole", "At the pole", {"latitude_deg": 90},
            "GPS never rises above 47 degrees here: the sky overhead is empty, and up is weak although ten satellites are in sight."),
-    Preset("printed", "As printed", {"sigma": "printed"},
+    Preset("three-centimetres", "As printed", {"sigma": "printed"},
            "With 3 cm for 3 m the band is a hair line and nearly all residuals lie outside: the promise is a hundred times too good."),
-    Preset("roof", "Real roof", {"data": "real", "systems": "GECJ"},
+    Preset("real-sky", "Real sky", {"data": "real", "systems": "GECJ"},
            "A real sky over Japan: all codes of one satellite err together, by orbit, clock and ionosphere. That is no noise."),
 )  # fmt: skip
 

@@ -56,6 +56,21 @@ LESSONS = (
         ),
         ("gnsslab.labs.north:north_lab",),
     ),
+    Lesson(
+        "01",
+        "01_what_a_receiver_measures.py",
+        "What a receiver measures",
+        "Code, carrier and Doppler: a ruler good to half a metre, one good to two millimetres that hides a whole number, and how fast both run.",
+        40,
+        "what a wave is; no satellite navigation",
+        (
+            "say what is in a code and in a carrier, term by term, with signs",
+            "see a cycle slip, and say how large it is in metres",
+            "tell noise, multipath, ionosphere and clock apart by looking at code minus carrier",
+            "choose an elevation mask, and say what HDOP and VDOP promise",
+        ),
+        ("gnsslab.labs.signal:signal_lab", "gnsslab.labs.sky:sky_lab"),
+    ),
 )
 
 

@@ -112,21 +112,21 @@ def test_low_satellites_err_more(lab):
 
 def test_presets_show_what_they_promise(lab):
     view = {p.name: lab.run(**p.settings).view for p in lab.presets if "data" not in p.settings}
-    start = view["start"]
+    start = view["sky"]
     assert np.nanmax(np.abs(start.residual)) < 2.0
     assert view["high-mask"].error[1] > 2 * start.error[1]
     assert view["high-mask"].dop[3] > 2 * start.dop[3]
     assert view["city"].dop[3] > 5
-    assert (view["all"].dop < 0.7 * start.dop).all()
-    assert (view["all"].error < 0.75 * start.error).all()
-    assert np.nanmax(np.abs(view["multipath"].residual)) > 10
-    assert view["multipath"].within < 0.4
+    assert (view["all-systems"].dop < 0.7 * start.dop).all()
+    assert (view["all-systems"].error < 0.75 * start.error).all()
+    assert np.nanmax(np.abs(view["bad-site"].residual)) > 10
+    assert view["bad-site"].within < 0.4
     assert view["noon"].error[1] > 4
     low = np.degrees(view["noon"].elevation) < 15
     assert np.nanmean(view["noon"].residual[low]) > 1.5
     assert np.nanmax(np.degrees(view["pole"].elevation)) < 48
-    assert view["printed"].within < 0.1
-    assert (start.error > 10 * view["printed"].promised).all()
+    assert view["three-centimetres"].within < 0.1
+    assert (start.error > 10 * view["three-centimetres"].promised).all()
 
 
 def test_gps_at_the_pole_stays_low():
@@ -138,7 +138,7 @@ def test_gps_at_the_pole_stays_low():
 
 
 def test_presets_are_within_range(lab):
-    assert {"multipath", "noon"} <= {preset.name for preset in lab.presets}
+    assert {"bad-site", "noon"} <= {preset.name for preset in lab.presets}
     for preset in lab.presets:
         assert lab.settings(**preset.settings)
         assert preset.look_at.endswith(".")
