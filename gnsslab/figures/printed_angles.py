@@ -33,8 +33,8 @@ def plot_printed_angles(result, figure=None):
 
 def build_errors(figure):
     """Lay out the error of heading above that of pitch, each against its true angle; show(result) fills them in."""
-    heading = ErrorPanel(figure.add_axes((0.135, 0.59, 0.84, 0.325)), "heading", (0, 360), (-40, 220))
-    pitch = ErrorPanel(figure.add_axes((0.135, 0.115, 0.84, 0.325)), "pitch", (-80, 80), (-PITCH_ERRORS, PITCH_ERRORS))
+    heading = ErrorPanel(figure.add_axes((0.135, 0.59, 0.825, 0.325)), "heading", (0, 360), (-40, 220))
+    pitch = ErrorPanel(figure.add_axes((0.135, 0.115, 0.825, 0.325)), "pitch", (-80, 80), (-PITCH_ERRORS, PITCH_ERRORS))
     heading.axes.xaxis.set_major_locator(FixedLocator(range(0, 361, 45)))
     heading.axes.yaxis.set_major_locator(FixedLocator((0, 90, 180)))
     for side in (-1, 1):
@@ -110,7 +110,7 @@ class ScatterPanel:
         axes.set_xlabel(f"drawn {angle} less the true one [deg]", labelpad=1)
         self.bars = axes.fill_between([0.0], [0.0], [0.0], color=BARS_COLOR, linewidth=0)
         self.edges = [axes.plot([], [], dashes=(5, 3))[0] for _ in range(2)]
-        self.words = axes.text(0.0, 1.03, "", transform=axes.transAxes, fontsize=9.5, va="bottom")
+        self.words = axes.text(0.0, 1.03, "", transform=axes.transAxes, fontsize=9, va="bottom")
 
     @property
     def moving(self):

@@ -9,7 +9,22 @@ import pytest
 import gnsslab
 from gnsslab.cli import main
 
-COMMANDS = ("course", "answers", "grade", "info", "heading", "rtk", "simulate", "data", "data list", "data get", "data path", "data verify", "doctor")
+COMMANDS = (
+    "course",
+    "answers",
+    "worksheet",
+    "grade",
+    "info",
+    "heading",
+    "rtk",
+    "simulate",
+    "data",
+    "data list",
+    "data get",
+    "data path",
+    "data verify",
+    "doctor",
+)
 SCREEN_LINES = 24
 HEAVY = ("numpy", "matplotlib", "numba", "marimo", "pooch", "rich")
 
@@ -23,13 +38,12 @@ def test_help_fits_a_screen_and_has_an_example(run, monkeypatch, command, column
     assert answer.status == 0
     assert len(lines) <= SCREEN_LINES
     assert max(map(len, lines)) <= columns
-    assert f"Example: gnsslab {command}" in answer.out
+    assert re.search(f"Examples?: gnsslab {command}", answer.out)
 
 
 def test_help_names_every_command(run):
     text = run("--help").out
     assert all(re.search(rf"^  {command} ", text, re.MULTILINE) for command in COMMANDS if " " not in command)
-    assert "--jupyter" not in run("course", "--help").out
 
 
 @pytest.mark.parametrize("arguments", [("--help",), ("heading", "--help"), ("--version",)])
