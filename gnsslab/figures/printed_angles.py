@@ -125,7 +125,7 @@ class ScatterPanel:
         for edge, side in zip(self.edges, (-1, 1), strict=True):
             edge.set(color=FORMULA_STYLE[formula]["color"], linewidth=2)
             edge.set_data([side * sigma] * 2, [0, 1.05])
-        self.words.set_text(f"sigma of {self.angle} {WORDS[formula]}: {sigma:.2f} deg; drawn: {np.std(drawn):.2f} deg")
+        self.words.set_text(f"{self.angle}: sigma {WORDS[formula]} {sigma:.2f} deg, drawn {np.std(drawn):.2f} deg")
         return half
 
 

@@ -145,7 +145,7 @@ def drawings():
     """Return the two pictures of the lab."""
     from gnsslab.figures.printed_angles import build_errors, build_scatter
 
-    return Drawing("errors", build_errors, 480, 400), Drawing("scatter", build_scatter, 380, 400)
+    return Drawing("errors", build_errors, 500, 400), Drawing("scatter", build_scatter, 350, 400)
 
 
 def describe(result):
