@@ -13,6 +13,7 @@ _MARKDOWN = (  # pattern, what is left of it
 )
 _LATEX = (  # innermost first: each is tried until nothing changes
     (re.compile(r"\\[td]?frac\{([^{}]*)\}\{([^{}]*)\}"), r"(\1)/(\2)"),
+    (re.compile(r"\\[td]?frac(\d)(\d)"), r"\1/\2"),
     (re.compile(r"\\sqrt\{([^{}]*)\}"), r"√(\1)"),
     (re.compile(r"\\(?:operatorname|text|mathrm|mathbf|mathit|mathsf)\{([^{}]*)\}"), r"\1"),
     (re.compile(r"\\(?:hat|check|bar|dot|tilde|vec)\{?(\w)\}?"), r"\1"),

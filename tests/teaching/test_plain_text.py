@@ -19,6 +19,7 @@ TEXTS = [text for lesson in LESSONS for question in lesson.exercises.QUESTIONS f
         (r"$\psi = \operatorname{atan2}(e,\ n)$", "\u03c8 = atan2(e, n)"),
         (r"$\sqrt{\cos^2\!\psi\,\sigma_e^2 + 1}$", "√(cos²\u03c8 \u03c3_e² + 1)"),
         (r"$\frac{a}{b}$", "(a)/(b)"),
+        (r"$\tfrac12 + x$", "1/2 + x"),
         (r"$\frac{\sqrt{a^2}}{b_{12}}$", "(√(a²))/(b_12)"),
         (r"$10^{-3}\ \text{m}$", "10⁻³ m"),
         (r"$e^{x+y}$", "e^(x+y)"),
