@@ -43,8 +43,12 @@ def _question_lines(question, width):
         f"{INDENT}Solution:",
         *wrapped(question.solution, width, 2 * INDENT),
         f"{INDENT}Usual mistakes:",
-        *(line for mistake in question.mistakes for line in _item(f"{mistake.value:.4g} {question.unit}: {mistake.words}", width)),
+        *(line for mistake in question.mistakes for line in _item(f"{_with_unit(mistake.value, question)}: {mistake.words}", width)),
     ]
+
+
+def _with_unit(value, question):
+    return f"{value:.4g} {question.unit}".rstrip()
 
 
 def _item(markdown, width):
