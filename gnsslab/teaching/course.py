@@ -5,7 +5,8 @@ import threading
 import webbrowser
 from urllib.parse import urlencode
 
-from gnsslab.teaching.front import can_hand_over, serve_with_workers
+from gnsslab.teaching.front import serve_with_workers
+from gnsslab.teaching.handing import can_hand_over
 from gnsslab.teaching.network import LOOPBACK, free_socket, names_of
 from gnsslab.teaching.serving import serve_here
 from gnsslab.teaching.tokens import chosen_token, new_token

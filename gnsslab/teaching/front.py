@@ -5,7 +5,6 @@ which one process does one at a time; so there are as many workers as cores.
 """
 
 import asyncio
-import json
 import os
 import re
 import socket
@@ -15,6 +14,7 @@ import time
 from contextlib import suppress
 from itertools import count
 
+from gnsslab.teaching.handing import give_orders, hand
 from gnsslab.teaching.seats import seat_number
 from gnsslab.teaching.visitor import BROWSER_COOKIE
 
@@ -26,12 +26,8 @@ FAREWELL = 6.0  # [s] that a worker has to end its lessons
 EARLY = 30.0  # [s]; a worker that ends sooner has not served anybody
 EARLY_ENDS = 3  # after so many it is not started again
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")  # the cores are taken by workers already
+WORKER = ("-m", "gnsslab.teaching.worker")  # what Python runs in a worker
 _BROWSER = re.compile(rb"^cookie:[^\r\n]*\b" + BROWSER_COOKIE.encode() + rb"=([0-9a-z-]{8,64})", re.IGNORECASE | re.MULTILINE)
-
-
-def can_hand_over():
-    """Return whether this system lets one process hand a connection to another."""
-    return hasattr(socket, "send_fds") and hasattr(socket, "AF_UNIX")
 
 
 def serve_with_workers(listener, workers, orders, say):
@@ -54,16 +50,15 @@ class Worker:
         self.orders = orders
         self.started = time.monotonic()
         self.line, end = socket.socketpair()
-        command = [sys.executable, "-m", "gnsslab.teaching.worker"]
         with end:  # a session of its own: Ctrl-C in the terminal is for the front alone
-            self.process = subprocess.Popen(command, stdin=end, env=ONE_THREAD | os.environ, start_new_session=True)
-        self.line.sendall(json.dumps(orders).encode() + b"\n")
+            self.process = subprocess.Popen([sys.executable, *WORKER], stdin=end, env=ONE_THREAD | os.environ, start_new_session=True)
+        give_orders(orders, self.line)
         self.line.setblocking(False)
 
     def take(self, connection):
         """Hand a connection to the worker; where it cannot take it, the browser finds it closed and asks again."""
-        with connection, suppress(OSError):
-            socket.send_fds(self.line, [b"+"], [connection.fileno()])
+        with suppress(OSError):
+            hand(connection, self.line)
 
     def dismiss(self):
         """Close the line: the worker ends its lessons and then itself."""

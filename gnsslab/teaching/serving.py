@@ -26,7 +26,13 @@ def course_server(app):
     parse_one_at_a_time()
     threading.Thread(target=warm_up, daemon=True).start()
     config = uvicorn.Config(
-        app, loop="asyncio", log_level="warning", timeout_graceful_shutdown=SHUTDOWN_SECONDS, timeout_keep_alive=KEEP_ALIVE, server_header=False
+        app,
+        loop="asyncio",  # another one would not take connections that are handed over
+        ws_per_message_deflate=False,  # pictures are compressed already: 10 ms of a move for nothing
+        log_level="warning",
+        server_header=False,
+        timeout_keep_alive=KEEP_ALIVE,
+        timeout_graceful_shutdown=SHUTDOWN_SECONDS,
     )
     return uvicorn.Server(config)
 
