@@ -18,12 +18,13 @@ LESSONS_PLANNED = {f"{number:02d}" for number in range(12)} | {"-"}
 FORMULA = re.compile(r"\$\$(.+?)\$\$|(?<!\\)\$([^$\n]+?)\$", re.DOTALL)
 CODE = re.compile(r"```.*?```|`[^`\n]+`", re.DOTALL)
 WORDS = re.compile(r"\\(?:text|mathrm|operatorname|begin|end|mathbf)\s*\{([^{}]*)\}")
-INDEX = r"(?:\{[^{}]*\}|\\[A-Za-z]+|[A-Za-z0-9])"
+INDEX = r"(?:\{\s*\\mathsf\s*\{?T\}?\s*\}|\{[^{}]*\}|\\[A-Za-z]+|[A-Za-z0-9])"
 LETTER = r"dt(?=[_^])|\\[A-Za-z]+|[A-Za-z]"
 SYMBOL = re.compile(
     rf"(?:\\(?P<accent>hat|check|bar|dot|tilde)\s*(?:\{{\s*(?P<braced>{LETTER})\s*\}}|(?P<bare>{LETTER}))|(?P<plain>{LETTER}))"
     rf"(?P<indices>(?:\s*[_^]\s*{INDEX})*)"
 )
+ONE_SATELLITE = {"i", "j", "s", "m"}
 WHOLE = {r"\sigma", "Q"}  # of these the index says what is meant: each needs an entry of its own
 
 
@@ -49,8 +50,8 @@ def _symbol(match):
         return None  # a command: \frac, \left, \cos
     below = re.findall(rf"_\s*({INDEX})", match["indices"])
     above = [index for index in re.findall(rf"\^\s*({INDEX})", match["indices"]) if not _is_power(index)]
-    letters = re.findall(r"\\[A-Za-z]+|[A-Za-z]", " ".join(below + above))
-    return match["accent"] or "", letter, tuple(letters)
+    letters = re.findall(r"\\[A-Za-z]+|[A-Za-z]{3,}|[A-Za-z]", " ".join(below + above))
+    return match["accent"] or "", letter, tuple(index for index in letters if index[0] == "\\" or len(index) < 3)  # ion, trop: words
 
 
 def _is_letter(name):
@@ -58,7 +59,7 @@ def _is_letter(name):
 
 
 def _is_power(index):
-    return re.fullmatch(r"\{?\s*(-?\d+.*|T|\\top|-\s*\\top|-T)\s*\}?", index) is not None
+    return re.fullmatch(r"\{?\s*(-?\d+.*|T|\\mathsf\s*\{?T\}?|\\top)\s*\}?", index) is not None
 
 
 ABBREVIATIONS = {re.sub(r"\\mathrm\{(.*)\}", r"\1", symbol.latex) for symbol in SYMBOLS if symbol.latex.startswith(r"\mathrm")}
@@ -70,6 +71,8 @@ def is_on_page(symbol):
     accent, letter, indices = symbol
     if symbol in ON_PAGE:
         return True
+    if letter == r"\sigma" and len(indices) == 1 and indices[0] in ONE_SATELLITE:
+        return ("", r"\sigma", ("i",)) in ON_PAGE
     if accent == "dot":  # a rate of change: the dot stands on the page by itself
         return ("dot", "x", ()) in ON_PAGE and is_on_page(("", letter, indices))
     return letter not in WHOLE and (accent, letter, ()) in ON_PAGE and all(("", index, ()) in ON_PAGE for index in indices)
