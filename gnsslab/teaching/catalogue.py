@@ -71,6 +71,21 @@ LESSONS = (
         ),
         ("gnsslab.labs.signal:signal_lab", "gnsslab.labs.sky:sky_lab"),
     ),
+    Lesson(
+        "02",
+        "02_differences.py",
+        "Differences",
+        "Clocks are wrong by a hundred kilometres. Two subtractions leave millimetres, and a price: whatever is left goes up and down together.",
+        45,
+        "lesson 01; what a variance and a matrix are",
+        (
+            "say what cancels in a single and in a double difference, and what is left after ten kilometres",
+            "say what a clock that is a millisecond off does, and how to make it do nothing",
+            "write down the covariance of double differences, and show where it comes from",
+            "see what a solver loses that ignores the correlation, or squares no sigma",
+        ),
+        ("gnsslab.labs.cancelling:cancelling_lab", "gnsslab.labs.correlation:correlation_lab"),
+    ),
 )
 
 

@@ -1,0 +1,124 @@
+"""Lesson 02 in a real browser, through the real server: two labs on one page."""
+
+import time
+
+import pytest
+
+PATIENCE = 60_000  # [ms], the very first load compiles kernels
+SLIDERS = {"cancelling": ("Baseline length", "Rover's clock error", "Seed"), "correlation": ("Satellites", "Code noise", "Carrier noise", "Seed")}
+
+
+@pytest.fixture
+def lesson(visit):
+    """The lesson with both labs open."""
+
+    def open_lesson(query="", **how):
+        page = visit(f"/lesson/02/{query}", **how)
+        page.get_by_role("radio", name="decimetres").click(timeout=PATIENCE)
+        for lab in SLIDERS:
+            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+        return page
+
+    return open_lesson
+
+
+def _stage(page, lab):
+    return page.locator(f'.gl-stage[data-lab="{lab}"]')
+
+
+def _readouts(page, lab):
+    return _stage(page, lab).locator(".gl-readouts").inner_text()
+
+
+def _await_change(page, lab, before):
+    deadline = time.monotonic() + PATIENCE / 1000
+    while _readouts(page, lab) == before:
+        assert time.monotonic() < deadline, "nothing changed"
+        page.wait_for_timeout(20)
+    return _readouts(page, lab)
+
+
+@pytest.mark.parametrize("lab", SLIDERS)
+def test_each_slider_changes_the_readouts(lesson, lab):
+    page = lesson()
+    _stage(page, lab).get_by_text("more", exact=True).click()
+    for name in SLIDERS[lab]:
+        for key in ("Home", "End") if name == "Satellites" else ("End", "Home"):
+            before = _readouts(page, lab)
+            _stage(page, lab).get_by_role("slider", name=name).press(key)
+            _await_change(page, lab, before)
+
+
+def test_a_preset_by_its_button(lesson):
+    page = lesson()
+    before, other = _readouts(page, "cancelling"), _readouts(page, "correlation")
+    page.get_by_role("button", name="A millisecond off").click()
+    assert "299 km" in _await_change(page, "cancelling", before)
+    page.get_by_text("the double difference does not care").wait_for()
+    assert _readouts(page, "correlation") == other
+
+
+def test_a_preset_by_link(lesson):
+    page = lesson("?preset=ignored")
+    page.get_by_text("the ratios fall, and up scatters more than the solver admits").wait_for(timeout=PATIENCE)
+    assert "claimed 5.4 mm" in _readouts(page, "correlation")
+
+
+def test_real_data_in_both_labs(lesson, dataset):
+    dataset("geonet-0759-3040")
+    page = lesson()
+    for lab, words in (("cancelling", "61649713"), ("correlation", "Right integers")):
+        before = _readouts(page, lab)
+        _stage(page, lab).get_by_role("radio", name="real, 3.3 km").click()
+        assert words in _await_change(page, lab, before)
+        assert _stage(page, lab).get_by_role("slider", name="Seed").get_attribute("data-disabled") is not None
+        _stage(page, lab).get_by_text("no effect: real data are as they are").first.wait_for()
+
+
+def test_perfect_clocks_switch_off_what_has_no_effect(lesson):
+    page = lesson()
+    before = _readouts(page, "cancelling")
+    _stage(page, "cancelling").get_by_role("radio", name="all perfect").click()
+    _await_change(page, "cancelling", before)
+    _stage(page, "cancelling").get_by_text("no effect: all clocks are perfect").first.wait_for(timeout=PATIENCE)
+
+
+def test_the_printed_error_is_switched_in(lesson):
+    page = lesson()
+    before = _readouts(page, "correlation")
+    _stage(page, "correlation").get_by_role("combobox", name="The solver believes").select_option(label="as printed: 2 V")
+    after = _await_change(page, "correlation", before)
+    assert "claimed 8.9 mm" in after
+    assert "3.63" in before
+    assert "3.63" in after  # the ratio does not move
+
+
+def test_a_wrong_and_a_right_answer_get_the_right_word(lesson):
+    page = lesson()
+    field = page.get_by_role("textbox", name="Your answer [mm]")
+    for typed, words in (("12", "The variance grows four times"), ("6 mm", "Right: 6.00 mm")):
+        field.fill(typed)
+        field.press("Tab")
+        page.get_by_text(words).wait_for(timeout=PATIENCE)
+
+
+def test_goal_is_reached_live(lesson):
+    page = lesson("?lab=cancelling&length=5&rover_clock=0.5&satellite=high")
+    page.locator(".gl-reached").get_by_text("Reached.").wait_for(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_overflows(lesson, width, scheme):
+    page = lesson(width=width, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    widest = page.evaluate(
+        "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(e => e.getBoundingClientRect().right))"
+    )
+    assert widest <= width
+
+
+def test_pictures_have_words(lesson):
+    page = lesson()
+    for lab, words in (("cancelling", "over 300 epochs"), ("correlation", "4 on the diagonal and 2 beside it as the solver believes")):
+        assert words in _stage(page, lab).locator(".gl-pictures img").first.get_attribute("alt")
