@@ -69,10 +69,10 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     ## Play
 
-    **First lab: one satellite, five minutes.** Upper left, each dot is one second: the code minus the carrier. All that both
-    have in common is gone, above all the distance. What stays is how much they disagree. The thin red line is the carrier of
-    one frequency minus that of the other, in the same metres. Below it you see the same line enlarged: the scale is in
-    millimetres. The two pictures on the right come later.
+    **First lab: one satellite, five minutes.** In the first picture, above, each dot is one second: the code minus the
+    carrier. All that both have in common is gone, above all the distance. What stays is how much they disagree. The red line is
+    the carrier of one frequency minus that of the other, in the same metres. Below you see that line enlarged: the scale is in
+    millimetres. The second picture comes later.
     """)
     return
 
@@ -156,9 +156,10 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     ### From one satellite to the whole sky
 
-    **Second lab: all satellites at one time of day.** On the left is the sky above you: the zenith in the middle, the horizon
-    at the rim, north up. Hollow satellites stand below the mask and are not used. On the right, each dot is one code: how far
-    it is from what it should be, at the place where you really stand. The blue band is what the engine expects.
+    **Second lab: all satellites at one time of day.** In the first picture each dot is one code of one satellite: how far it is
+    from what it should read at the place where you really stand. The horizon is on the left, the zenith on the right. The blue
+    band is what the engine expects. The second picture is the sky above you: the zenith in the middle, the horizon at the rim,
+    north up. Hollow satellites are not used, as they stand below the mask.
     """)
     return
 
@@ -287,13 +288,14 @@ def _(mo):
     With $m$ satellites you get $m$ equations. Their matrix is [$G$](/notation#G): one row a satellite, minus the unit vector
     [$u$](/notation#u) towards it, and a one for the clock.
 
-    $$G = \begin{pmatrix} -u_1^\top & 1 \\ \vdots & \vdots \\ -u_m^\top & 1 \end{pmatrix}, \qquad
-    \left(G^\top G\right)^{-1} = \begin{pmatrix} q_e & & & \\ & q_n & & \\ & & q_u & \\ & & & q_t \end{pmatrix} \text{ and the rest}$$
+    $$G = \begin{pmatrix} -u_1^\top & 1 \\ \vdots & \vdots \\ -u_m^\top & 1 \end{pmatrix}$$
 
-    $$\mathrm{HDOP} = \sqrt{q_e + q_n}, \qquad \mathrm{VDOP} = \sqrt{q_u}, \qquad \sigma_{up} \approx \mathrm{VDOP} \cdot \sigma_P$$
+    On the diagonal of $(G^\top G)^{-1}$ stand four numbers: $q_e$, $q_n$, $q_u$ for east, north and up, and one for the clock.
 
-    In words: [HDOP](/notation#HDOP) and [VDOP](/notation#VDOP) say how many metres of place one metre of code costs. They know
-    directions only, no noise. VDOP is the larger one: all satellites are above you and none below, so up is mixed with the clock.
+    $$\mathrm{HDOP} = \sqrt{q_e + q_n}, \qquad \mathrm{VDOP} = \sqrt{q_u}, \qquad \sigma_u \approx \mathrm{VDOP} \cdot \sigma_P$$
+
+    In words: [HDOP](/notation#HDOP), on the level, and [VDOP](/notation#VDOP), upwards, say how many metres of place one metre of
+    code costs. They know directions only, no noise. VDOP is the larger one: all satellites are above you and none below, so up is mixed with the clock. Here $\sigma_P$ is the standard deviation of one code, $\sigma_u$ that of the height.
     """)
     return
 
@@ -313,10 +315,10 @@ def _(mo):
 
     observations = gl.read_rinex_obs("rover.obs")
     measured = single_frequency_codes(observations, "G")
-    code_minus_carrier = measured.code - measured.phase * measured.wavelength      # [m], a row a second, a column a satellite
+    code_minus_carrier = measured.code - measured.phase * measured.wavelength  # [m]
     print(dict(zip(measured.satellites, np.nanstd(code_minus_carrier, axis=0).round(2).tolist())))
     points = gl.solve_points(observations, gl.read_rinex_nav("broadcast.nav"), systems="G", mask_deg=10)
-    print(points, points.dop[0].round(2))                                          # GDOP, PDOP, HDOP, VDOP of the first second
+    print(points, points.dop[0].round(2))  # GDOP, PDOP, HDOP, VDOP of the first second
     ```
 
     No files at hand? `gnsslab simulate static-baseline -o roof` writes some. Go into the folder `roof` first.
@@ -369,10 +371,10 @@ def _(mo):
 
     * The code scatters by a decimetre or two, the carrier by a millimetre. The ratio is again 100 to 400.
     * The code wanders in waves. That is multipath, and it is much stronger here than the white noise.
-    * Look at the range rates on the right. The code's are as smooth as the carrier's: this receiver smooths its code with its
-      carrier before it writes it down. Receivers do that, and seldom say so.
-    * Nobody knows $\rho$ and $dt_r$ here, so lower right they are computed from the codes. What the equation leaves wanders by
-      half a metre: that is the code's noise, seen through the clock.
+    * Look at *range rate* in the second picture. The code's is nearly as smooth as the carrier's: this receiver smooths its code,
+      with the carrier's help, before it writes it down. Receivers do that, and seldom say so.
+    * Nobody knows $\rho$ and $dt_r$ here, so both are computed from the codes. What the equation leaves wanders by half a metre:
+      that is the code's noise, seen through the clock.
 
     **The whole sky.** Set **Systems** to *all*. The fan is there. But the codes of one satellite lie in a heap, and the heap is off
     by one to four metres. That is no noise: it is what broadcast orbits, clocks and the ionosphere's model leave. It does not
@@ -393,18 +395,18 @@ def _(mo):
 
     $$\lambda\phi = \rho - c\,dt_r + c\,dt^s - \lambda N - I - T$$
 
-    It calls $dt_r$ and $dt^s$ clock errors, and $I$ and $T$ delays. Compare it with the equation above. Then set **Receiver clock**
-    to *left alone* and **Equation of the carrier** (under *more*) to *as printed*, or press **As printed** in the first lab. The
-    picture at the lower right shows what the equation leaves: corrected it is one constant, $\lambda N$. As printed it runs
-    away by 60 m a second.
+    It calls $dt_r$ and $dt^s$ clock errors, and $I$ and $T$ delays. Compare it with the equation above. Then set **Clock** to
+    *free* and **Equation of the carrier** (under *more*) to *as printed*, or press **As printed** in the first lab. *Carrier less its
+    equation*, in the second picture, shows what the equation leaves. Corrected, it is one constant, $\lambda N$. As printed, it
+    runs away by 60 m a second.
 
-    Which terms have the wrong sign? Both clocks and the troposphere. The sign of $N$ is a matter of how you count. The
-    ionosphere is right. Read the terms as *corrections* instead of errors, and the clocks come right. So it is a question of
-    words, and a formula does not carry its words with it. In the paper it did no harm: it takes differences of two receivers
-    and two satellites, in which the clocks cancel whatever their sign.
+    Which terms have the wrong sign? Both clocks and the troposphere. The sign of $N$ is a matter of how you count, and the
+    ionosphere is right. Now read every term as a *correction*, an error with its sign turned round: all come right. So it is a
+    question of words, and a formula does not carry its words with it. In the paper it did no harm. It takes differences of two
+    receivers and two satellites, and there the clocks cancel whatever their sign.
 
-    **A number in a paper of 1998.** It sets the sigma of the C/A code to **3 cm** for one make of receiver, and on the next page
-    to **3 m** for another. Press **As printed** in the lab of the sky, or set **Sigma promised** (under *more*). With 3 cm the band
+    **A number in a paper of 1998.** It sets the sigma of the C/A code to **3 cm** for one make of receiver, and a few
+    lines on to **3 m** for another. Press **As printed** in the lab of the sky, or set **Sigma promised** (under *more*). With 3 cm the band
     is a hair line, one code in a hundred lies in it, and the place is promised to 3 cm while it is off by half a metre. With
     3 m the promise is safe. Even the best C/A code of that time was not good to 3 cm; the unit slipped.
 

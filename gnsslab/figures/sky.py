@@ -20,10 +20,10 @@ HALF_WIDTHS = (1, 2, 5, 10, 20, 50, 100, 1000, 10_000)  # [m]
 
 
 def plot_sky(view, figure=None):
-    """Draw a View: the sky on the left, the residuals by elevation with the promised sigma on the right; return the Figure."""
+    """Draw a View: the residuals by elevation with the promised sigma, and the sky; return the Figure."""
     with rc_context(STYLE):
         figure = figure if figure is not None else new_figure(880, 420)
-        for build, part in zip((build_sky, build_residuals), figure.subfigures(1, 2, width_ratios=(1, 1.2)), strict=True):
+        for build, part in zip((build_residuals, build_sky), figure.subfigures(1, 2, width_ratios=(1.25, 1)), strict=True):
             build(part).show(view)
     return figure
 

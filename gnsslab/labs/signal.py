@@ -43,14 +43,14 @@ CONTROLS = (
     Slider("code_noise", "Code noise", 0.1, 1.5, 0.1, 0.3, "m", help="Of one reading at the zenith."),
     Slider("multipath", "Multipath", 0, 2, 0.1, 0.1, "m", help="In the code at the zenith; the carrier gets a hundredth of it."),
     Slider("slip_cycles", "Cycle slip on L1", -10, 10, 1, 0, "cycles", help="From then on the carrier counts that many cycles too many."),
-    Choice("clock", "Receiver clock", {"steered": "steered", "left alone": "free", "1 ms jumps": "jumping"}, "steered",
-           help="How the receiver's own clock runs."),
+    Choice("clock", "Clock", {"steered": "steered", "free": "free", "jumping": "jumping"}, "steered",
+           help="Of the receiver: steered, left alone (it gains 30 m a second), or set back by 1 ms."),
     Slider("slip_second", "Cycle slip on L2", -10, 10, 1, 0, "cycles", help="The same on the second carrier, at the same moment.", more=True),
     Slider("slip_at", "Slip after", 10, 90, 5, 50, "%", help="Of the recording.", more=True),
     Slider("carrier_noise", "Carrier noise", 0.5, 5, 0.5, 1.5, "mm", help="Of one reading at the zenith.", more=True),
     Choice("ionosphere", "Ionosphere", {"none": 0, "as usual": 1, "four times as much": 4}, 1, help="True delay, in the simulation.", more=True),
     Choice("equation", "Equation of the carrier", {"corrected": "corrected", "as printed": "printed"}, "corrected",
-           help="With which the carrier is modelled, in the lower right picture.", more=True),
+           help="With which the carrier is modelled.", more=True),
     Slider("seed", "Seed", 1, 100, 1, 1, help="Another seed is another draw of the noise.", more=True),
     FileOrPath("observation_file", "Observations"),
     FileOrPath("navigation_file", "Broadcast navigation"),
@@ -60,7 +60,7 @@ SIMULATION_ONLY = ("code_noise", "multipath", "carrier_noise", "clock", "ionosph
 
 PRESETS = (
     Preset("start", "Start", {},
-           "On the left, dots and line stand on one scale: the code scatters by decimetres, the carrier is a line as thin as the pen."),
+           "Above, dots and line stand on one scale: the code scatters by decimetres, the carrier is a line as thin as the pen."),
     Preset("cycle-slip", "Cycle slip", {"slip_cycles": 5},
            "Five cycles are lost at 150 s: from there on code minus carrier stands 0.95 m lower, and the engine marks the second."),
     Preset("small-slip", "One cycle", {"slip_cycles": 1, "elevation_deg": 15},
@@ -76,7 +76,7 @@ PRESETS = (
     Preset("clock-jump", "Clock jump", {"clock": "jumping"},
            "At 150 s the clock is set back by 1 ms, 300 km of light: code minus carrier notices nothing, the range rate of that second does."),
     Preset("printed", "As printed", {"clock": "free", "equation": "printed"},
-           "Lower right: with the signs as printed the equation leaves 18 km that nobody measured; corrected, it leaves one number."),
+           "With the signs as printed the equation leaves 18 km that nobody measured; corrected, it leaves one number."),
     Preset("roof", "Real roof", {"data": "real"},
            "A survey antenna in Japan: the code scatters by a decimetre, in slow waves, the carrier by a millimetre."),
 )  # fmt: skip
@@ -360,7 +360,7 @@ def describe(result):
 
 
 def readouts(result):
-    """Return the scatter of code and carrier, what became of the slip, and the range rate."""
+    """Return the scatter of code and carrier, what became of the slip, the range rate, and what the equation leaves."""
     if result.problem:
         return []
     track = result.track
@@ -369,6 +369,7 @@ def readouts(result):
         _carrier_readout(track),
         _slip_readout(track, result.settings),
         _rate_readout(track),
+        _equation_readout(track),
     ]
 
 
@@ -391,6 +392,12 @@ def _rate_readout(track):
     middle = track.range_rate[len(track.range_rate) // 2]
     source = f"Doppler {-middle / track.wavelength:.0f} Hz" if track.has_doppler else "by the carrier: the file holds no Doppler"
     return Readout("Range rate", f"{middle:.1f}", "m/s", source)
+
+
+def _equation_readout(track):
+    left = float(np.nanmax(np.abs(track.left)))
+    value, unit = (f"{left / 1000:.1f}", "km") if left >= 1000 else (f"{left:.2f}", "m")
+    return Readout("Equation leaves", value, unit, "at most, besides one constant")
 
 
 def _ratio(track):

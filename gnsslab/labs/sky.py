@@ -53,7 +53,7 @@ CONTROLS = (
         "data", "Data", {"simulated": "simulated", "real roof": "real", "GEONET": "station", "my file": "mine"}, "simulated",
         help="A simulated receiver, a real one on a roof, one near a GEONET station (travels with the course), or your own.",
     ),
-    Slider("hour", "Time of day", 0, 24, 0.5, 10, "h", help="Local time; the satellites move on by 15 degrees and more an hour."),
+    Slider("hour", "Time of day", 0, 24, 0.5, 10, "h", help="Local time; within an hour it is another sky."),
     Slider("latitude_deg", "Latitude", -90, 90, 5, 35, "deg", help="Where you stand, on the meridian of Japan."),
     Choice("systems", "Systems", {"GPS": "G", "Galileo": "E", "GPS + Galileo": "GE", "all": "GECJ"}, "G", help="Whose satellites are used."),
     Slider("mask_deg", "Elevation mask", 0, 60, 5, 10, "deg", help="Satellites lower than this are not used."),
@@ -72,7 +72,7 @@ SIMULATION_ONLY = ("hour", "latitude_deg", "multipath", "code_noise", "ionospher
 
 PRESETS = (
     Preset("sky", "Start", {},
-           "On the right: every code errs within half a metre overhead, and within two metres near the horizon."),
+           "A fan: overhead the codes err by less than half a metre, near the horizon by up to two metres."),
     Preset("high-mask", "High mask", {"mask_deg": 35},
            "The bad satellites are gone, and so is the geometry: the residuals shrink, yet up is worse than before."),
     Preset("city", "City street", {"mask_deg": 50, "systems": "GE"},
@@ -316,8 +316,8 @@ def drawings():
     from gnsslab.figures.sky import build_residuals, build_sky
 
     return (
-        Drawing("sky", lambda part: _of_result(build_sky(part)), 400, 420),
-        Drawing("residuals", lambda part: _of_result(build_residuals(part)), 480, 420),
+        Drawing("residuals", lambda part: _of_result(build_residuals(part)), 500, 420),
+        Drawing("sky", lambda part: _of_result(build_sky(part)), 380, 400),
     )
 
 

@@ -28,7 +28,7 @@ def _says_something(lab, result):
         return len(result.problem) > 20
     readouts, track = lab.readouts(result), result.track
     finite = np.isfinite([track.sigma_code, track.elevation]).all() and np.isfinite(track.left).any()
-    return finite and len(readouts) == 4 and track.satellite in lab.describe(result)
+    return finite and len(readouts) == 5 and track.satellite in lab.describe(result)
 
 
 @pytest.mark.parametrize("data", ["simulated", "station"])
@@ -126,6 +126,8 @@ def test_the_corrected_equation_leaves_a_constant_and_the_printed_one_runs_away(
     assert np.ptp(corrected) < 0.03  # [m]: the carrier's noise
     run = 2 * SPEED_OF_LIGHT * 1e-7 * 299
     assert printed[-1] - printed[0] == pytest.approx(run, rel=1e-3)
+    told = [lab.readouts(lab.run(clock="free", equation=name))[4] for name in ("corrected", "printed")]
+    assert [(one.value, one.unit) for one in told] == [("0.01", "m"), ("17.9", "km")]  # 2 c 1e-7 299 s, and the carrier's noise
 
 
 def test_presets_show_what_they_promise(lab):
