@@ -1,4 +1,4 @@
-"""What lesson 01 tells is true: its tables, its numbers and its nine lines."""
+"""What the text of lesson 01 tells is true: its tables, its numbers and its nine lines."""
 
 import re
 import runpy

@@ -1,0 +1,161 @@
+"""Lesson 01 in a real browser, through the real server: two labs on one page."""
+
+import re
+import time
+
+import pytest
+
+SLIDERS = {
+    "signal": ("Satellite near elevation", "Code noise", "Multipath", "Cycle slip on L1", "Cycle slip on L2", "Slip after", "Carrier noise", "Seed"),
+    "sky": ("Time of day", "Latitude", "Elevation mask", "Multipath", "Code noise", "Seed"),
+}
+PATIENCE = 60_000  # [ms], the very first load compiles kernels
+
+
+@pytest.fixture
+def lesson(visit):
+    """The lesson with its labs open."""
+
+    def open_lesson(path="/lesson/01/", **how):
+        page = visit(path, **how)
+        page.get_by_role("radio", name="100 times or more").click(timeout=PATIENCE)
+        for lab in SLIDERS:
+            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+        return page
+
+    return open_lesson
+
+
+def _stage(page, lab):
+    """The parts of the page that belong to one lab."""
+    return page.locator(f'.gl-stage[data-lab="{lab}"]')
+
+
+def _readouts(page, lab):
+    return _stage(page, lab).locator(".gl-readouts").inner_text()
+
+
+def _shown(page, lab):
+    """What a lab shows: its numbers and its first picture, or the sentence that stands for them."""
+    return page.evaluate(
+        """name => {
+            const stage = selector => [...document.querySelectorAll(`.gl-stage[data-lab="${name}"] ${selector}`)];
+            return stage('.gl-readouts, .gl-problem').map(e => e.innerText).join() + stage('.gl-pictures img').map(e => e.src).join();
+        }""",
+        lab,
+    )
+
+
+def _await_change(page, lab, before):
+    deadline = time.monotonic() + PATIENCE / 1000
+    while _shown(page, lab) == before or not _shown(page, lab):
+        assert time.monotonic() < deadline, "nothing changed"
+        page.wait_for_timeout(20)
+
+
+def _slider(page, lab, name):
+    return _stage(page, lab).get_by_role("slider", name=name)
+
+
+@pytest.mark.parametrize("lab", SLIDERS)
+def test_each_slider_changes_what_its_lab_shows(lesson, lab):
+    page = lesson()
+    other = next(name for name in SLIDERS if name != lab)
+    untouched = _shown(page, other)
+    _stage(page, lab).get_by_text("more", exact=True).click()
+    if lab == "signal":  # without a slip its place has no effect
+        before = _shown(page, lab)
+        _slider(page, lab, "Cycle slip on L1").press("ArrowRight")
+        _await_change(page, lab, before)
+    for name in SLIDERS[lab]:
+        for key in ("End", "Home"):
+            before = _shown(page, lab)
+            _slider(page, lab, name).press(key)
+            _await_change(page, lab, before)
+    assert _shown(page, other) == untouched
+
+
+def test_a_slip_by_button(lesson):
+    page = lesson()
+    before = _shown(page, "signal")
+    page.get_by_role("button", name="Cycle slip", exact=True).click()
+    _await_change(page, "signal", before)
+    assert re.search(r"Slip\s+found", _readouts(page, "signal"))
+    page.get_by_text("code minus carrier stands 0.95 m lower").wait_for(timeout=PATIENCE)
+    assert float(_slider(page, "signal", "Cycle slip on L1").get_attribute("aria-valuenow")) == 5
+
+
+def test_a_slip_by_link(lesson):
+    page = lesson("/lesson/01/?preset=cycle-slip")
+    assert re.search(r"Slip\s+found", _readouts(page, "signal"))
+    page.get_by_text("code minus carrier stands 0.95 m lower").wait_for(timeout=PATIENCE)
+
+
+def test_a_preset_of_the_second_lab_by_link_leaves_the_first_alone(lesson):
+    page = lesson("/lesson/01/?lab=sky&preset=noon")
+    page.get_by_text("the low satellites all err to one side").wait_for(timeout=PATIENCE)
+    assert re.search(r"Slip\s+none", _readouts(page, "signal"))
+
+
+def test_a_hidden_slip_reaches_the_goal(lesson):
+    page = lesson("/lesson/01/?lab=signal&slip_cycles=1&slip_second=1&elevation_deg=15")
+    assert re.search(r"Slip\s+missed", _readouts(page, "signal"))
+    page.locator(".gl-reached").get_by_text("a slip of 1 cycles is missed").wait_for(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("lab", SLIDERS)
+def test_the_data_that_travel_along(lesson, lab):
+    page = lesson()
+    before = _shown(page, lab)
+    _stage(page, lab).get_by_role("combobox", name="Data").select_option(label="GEONET")
+    _await_change(page, lab, before)
+    assert _slider(page, lab, "Multipath").get_attribute("data-disabled") is not None
+    assert _stage(page, lab).get_by_text("no effect: real data are as they are").first.is_visible()
+
+
+def test_real_roof(lesson, dataset):
+    dataset("matrtklib-static")
+    page = lesson()
+    before = _shown(page, "signal")
+    _stage(page, "signal").get_by_role("combobox", name="Data").select_option(label="real roof")
+    _await_change(page, "signal", before)
+    assert "G20 at 49 deg" in _readouts(page, "signal")
+
+
+def test_own_files_by_upload(lesson, tmp_path):
+    import numpy as np
+
+    from gnsslab.simulate import find_preset, simulate, write_simulation
+
+    write_simulation(tmp_path, simulate(find_preset("static-baseline"), np.random.default_rng(3)))
+    page = lesson()
+    for lab in SLIDERS:
+        stage = _stage(page, lab)
+        stage.get_by_role("combobox", name="Data").select_option(label="my file")
+        stage.get_by_text("your observation and navigation files are missing").wait_for(timeout=PATIENCE)
+        for number, name in enumerate(("rover.obs", "broadcast.nav")):
+            stage.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
+            page.wait_for_timeout(1500)
+        stage.locator(".gl-readouts").wait_for(timeout=PATIENCE)
+
+
+def test_a_wrong_answer_and_a_right_one(lesson):
+    page = lesson()
+    sheet = page.locator(".gl-question").first
+    for typed, words in (("1.33", "the carrier has a minus sign"), ("-7", "That is in cycles"), ("-1.33", "Right")):
+        field = sheet.get_by_role("textbox")
+        field.fill(typed)
+        sheet.get_by_role("button", name="Check").click()
+        page.locator(".gl-answer").filter(has_text=words).first.wait_for(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_overflows_and_the_theme_is_followed(lesson, width, scheme):
+    page = lesson(width=width, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    widest = page.evaluate(
+        "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(e => e.getBoundingClientRect().right))"
+    )
+    assert widest <= width
+    assert page.evaluate("document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')") == (scheme == "dark")
