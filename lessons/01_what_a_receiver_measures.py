@@ -32,8 +32,8 @@ def _(mo):
 
     | time | code [m] | carrier [cycles] | Doppler [Hz] |
     |---|---|---|---|
-    | 08:20:00 | 21 276 559.872 | 111 809 054.738 | −1362.500 |
-    | 08:20:01 | 21 276 819.031 | 111 810 417.391 | −1362.804 |
+    | 08:20:00 | 21&nbsp;276&nbsp;559.872 | 111&nbsp;809&nbsp;054.738 | −1362.500 |
+    | 08:20:01 | 21&nbsp;276&nbsp;819.031 | 111&nbsp;810&nbsp;417.391 | −1362.804 |
 
     In that second the code grew by 259.16 m. The carrier grew by 1362.653 cycles, and a cycle is 0.1903 m long: 259.30 m.
     The mean Doppler says 1362.652 cycles. Three numbers, one way. Everything in this course is made of them.

@@ -13,10 +13,12 @@ from gnsslab.gnss.point_model import MIDDLING_IONOSPHERE, lines_of_sight
 from gnsslab.gnss.points import solve_points
 from gnsslab.gnss.selection import keep_epochs
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, USED_SYSTEMS, frequency
+from gnsslab.gnss.times import seconds_between
 from gnsslab.simulate.measurements import measure
 from gnsslab.simulate.recording import record
 
-MOST_EPOCHS = 600  # of a long file: ten minutes at 1 Hz, enough to see noise, and slips
+LONGEST = 600.0  # [s] of a long file: the ionosphere is still a smooth curve, and noise and slips are seen
+FEWEST_EPOCHS = 60  # but so many, where they are 15 or 30 s apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,13 +57,18 @@ def read_recording(observations, ephemerides):
     systems = "G" if "G" in observations.tables else "".join(letter for letter in USED_SYSTEMS if letter in observations.tables)
     if not systems:
         raise ValueError(f"the file holds no satellite of {', '.join(USED_SYSTEMS)}: give one with GPS, Galileo, BeiDou or QZSS")
-    observations = keep_epochs(observations, np.arange(len(observations.time)) < MOST_EPOCHS)
+    observations = keep_epochs(observations, shown_epochs(observations.time))
     points = solve_points(observations, ephemerides, systems=systems, mask_deg=5.0)
     place = points.mean_position()
     pair = _alone(observations, systems)
     clock = np.stack([points.clock[:, points.systems.index(name[0])] for name in pair.satellites], axis=-1)
     elevation, terms = _terms(pair, ephemerides, place, clock)
     return Recording(pair, elevation, terms)
+
+
+def shown_epochs(time):
+    """Return which epochs (T,) of a file are shown: its first ten minutes, or its first sixty epochs if they take longer."""
+    return (np.arange(len(time)) < FEWEST_EPOCHS) | (seconds_between(time, time[:1]) < LONGEST)
 
 
 def with_slip(recording, channels, epoch, cycles):

@@ -13,7 +13,7 @@ from gnsslab.gnss.weighting import NoiseModel, sigma_phase
 from gnsslab.labs.campaigns import FileReader, require_files
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
-from gnsslab.labs.recordings import read_recording, simulated_recording, with_slip
+from gnsslab.labs.recordings import read_recording, shown_epochs, simulated_recording, with_slip
 from gnsslab.simulate import Clock, Noise, Static, find_preset, prepare_geometry
 
 KEPT = 12  # simulations and geometries kept by one lab: three clocks and three ionospheres go through nine
@@ -136,7 +136,7 @@ class SignalEngine:
     def _recording(self, settings):
         """Return the recording chosen, and a note where it had to be another."""
         if settings["data"] == "mine":
-            return self._mine(*(settings[name] for name in FILES)), ""
+            return self._mine(*(settings[name] for name in FILES))
         if settings["data"] in REAL_DATA:
             try:
                 _, rover, ephemerides = self._files.data_set(REAL_DATA[settings["data"]])
@@ -156,8 +156,12 @@ class SignalEngine:
         return simulated_recording(self._geometry(clock, ionosphere), noise, np.random.default_rng(seed))
 
     def _mine(self, observations, navigation):
+        """Return the recording in the student's files, and a note where only its beginning is shown."""
         require_files(observation=observations, navigation=navigation)
-        return self._read(self._files.observations(observations), self._files.ephemerides(navigation))
+        observed = self._files.observations(observations)
+        shown, total = int(shown_epochs(observed.time).sum()), len(observed.time)
+        note = f"The file holds {total} epochs; the first {shown} are shown." if shown < total else ""
+        return self._read(observed, self._files.ephemerides(navigation)), note
 
 
 def _geometry(clock, ionosphere):
@@ -293,7 +297,7 @@ def _judge_hidden(result):
     size = max(abs(used["slip_cycles"]), abs(used["slip_second"]))
     is_found = track.found[track.placed]
     by_rule = used["data"] == "simulated"
-    state = "no slip is placed" if track.placed < 0 else f"a slip of {size} cycles is {'found' if is_found else 'missed'}"
+    state = "no slip is placed" if track.placed < 0 else f"a slip of {size} cycle{'s' if size > 1 else ''} is {'found' if is_found else 'missed'}"
     return by_rule and size >= 1 and not is_found, f"Now: {state}{'' if by_rule else ', but the controls are outside the rules'}."
 
 

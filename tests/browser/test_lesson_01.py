@@ -100,7 +100,7 @@ def test_a_preset_of_the_second_lab_by_link_leaves_the_first_alone(lesson):
 def test_a_hidden_slip_reaches_the_goal(lesson):
     page = lesson("/lesson/01/?lab=signal&slip_cycles=1&slip_second=1&elevation_deg=15")
     assert re.search(r"Slip\s+missed", _readouts(page, "signal"))
-    page.locator(".gl-reached").get_by_text("a slip of 1 cycles is missed").wait_for(timeout=PATIENCE)
+    page.locator(".gl-reached").get_by_text("a slip of 1 cycle is missed").wait_for(timeout=PATIENCE)
 
 
 @pytest.mark.parametrize("lab", SLIDERS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gnsslab.gnss.observation_equations import carrier_range, code_range
-from gnsslab.labs.recordings import MOST_EPOCHS, read_recording, simulated_recording, with_slip
+from gnsslab.labs.recordings import read_recording, shown_epochs, simulated_recording, with_slip
 from gnsslab.simulate import NO_NOISE, SURVEY, find_preset, prepare_geometry, simulate
 
 PRESET = replace(find_preset("static-baseline"), systems="G", duration=30.0)
@@ -72,8 +72,14 @@ def test_real_codes_obey_the_equation(campaign, name):
 
 
 def test_a_long_file_is_cut(rng):
-    simulation = simulate(replace(PRESET, duration=float(MOST_EPOCHS + 20)), rng)
-    assert len(read_recording(simulation.observations[0], simulation.ephemerides).time) == MOST_EPOCHS
+    simulation = simulate(replace(PRESET, duration=620.0), rng)
+    assert len(read_recording(simulation.observations[0], simulation.ephemerides).time) == 600
+
+
+@pytest.mark.parametrize(("epochs", "every", "shown"), [(300, 1, 300), (900, 1, 600), (5000, 0.2, 3000), (2880, 30, 60), (40, 30, 40), (0, 1, 0)])
+def test_ten_minutes_are_shown_or_sixty_epochs(epochs, every, shown):
+    time = np.datetime64("2024-06-24", "ns") + (np.arange(epochs) * every * 1e9).astype("timedelta64[ns]")
+    assert shown_epochs(time).sum() == shown
 
 
 def test_without_gps_the_other_systems_serve(rng):

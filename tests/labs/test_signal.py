@@ -255,6 +255,15 @@ def test_own_files_that_cannot_be_read_get_a_sentence(lab, tmp_path):
         assert lab.run(data="mine", observation_file=path, navigation_file=path).problem.startswith("No answer: ")
 
 
+def test_of_a_long_file_of_ones_own_the_beginning_is_shown(lab, dataset):
+    """A day at 15 s, BeiDou alone: a quarter of an hour of it, in which the carrier is still a line."""
+    folder = dataset("beidou-slope")
+    result = lab.run(data="mine", observation_file=folder / "base_all.obs.gz", navigation_file=folder / "base_all.nav")
+    assert "the first 60 are shown" in result.note
+    assert result.track.satellite.startswith("C")
+    assert signal._ratio(result.track) > 50
+
+
 @pytest.mark.parametrize("bands", [1, 2])
 def test_own_files_give_the_noise_of_the_simulation_they_came_from(lab, tmp_path, bands):
     """The loop through RINEX; with one band there is nothing to hold the carrier against."""

@@ -48,7 +48,7 @@ def test_both_labs_run_at_every_preset(lab, suffix, preset):
 def test_the_three_numbers_of_the_scene_are_real(campaign):
     measured = single_frequency_codes(campaign("matrtklib-static").rover, "G")
     column = measured.satellites.index("G20")
-    told = [[float(cell.replace(" ", "").replace("\N{MINUS SIGN}", "-")) for cell in row[1:]] for row in rows_of_table("| time |")]
+    told = [[float(cell.replace("&nbsp;", "").replace("\N{MINUS SIGN}", "-")) for cell in row[1:]] for row in rows_of_table("| time |")]
     assert len(told) == 2
     for epoch, (code, carrier, doppler) in enumerate(told):
         assert code == pytest.approx(measured.code[epoch, column], abs=6e-4)
