@@ -381,7 +381,7 @@ def _(mo):
     average out, and it is nearly the same for a second receiver nearby. The next lesson lives on that.
 
     *GEONET* is another receiver, in the year 2021, for one minute. It travels with the course, so it works without a network. It
-    writes no Doppler. To use your own, choose *my file*: one observation file and one of broadcast orbits, in RINEX.
+    writes no Doppler. To use your own, choose *my files*: one observation file and one of broadcast orbits, in RINEX.
     """)
     return
 

@@ -45,6 +45,25 @@ def require_files(**paths):
         raise ValueError(f"your {', '.join(missing[:-1])} and {missing[-1]} files are missing: upload them, or type their paths")
 
 
+def simulated_instead(reason):
+    """Return the note of a lab that has no real data, with the reason.
+
+    >>> simulated_instead("there is no network")
+    'No real data here, so this is simulated: there is no network'
+    """
+    return f"No real data here, so this is simulated: {reason}"
+
+
+def blocked_by_data(data, simulation_only, files):
+    """Return for each control without effect on the chosen data ("simulated", "mine" or a real set) the reason why.
+
+    >>> blocked_by_data("mine", ("seed",), ("rover_file",))
+    {'seed': 'no effect: real data are as they are'}
+    """
+    reasons = {} if data == "simulated" else dict.fromkeys(simulation_only, "no effect: real data are as they are")
+    return reasons if data == "mine" else reasons | dict.fromkeys(files, 'choose "my files" first')
+
+
 def _stamped(path):
     """Return a path with its time of change and size, so that a file that changed is read again."""
     path = Path(path)

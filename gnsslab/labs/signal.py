@@ -10,7 +10,7 @@ from gnsslab.gnss.observation_equations import carrier_range, carrier_range_as_p
 from gnsslab.gnss.screening import cycle_slips
 from gnsslab.gnss.times import seconds_between
 from gnsslab.gnss.weighting import NoiseModel, sigma_phase
-from gnsslab.labs.campaigns import FileReader, require_files
+from gnsslab.labs.campaigns import FileReader, blocked_by_data, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.labs.recordings import read_recording, shown_epochs, simulated_recording, with_slip
@@ -36,7 +36,7 @@ EQUATIONS = {"corrected": carrier_range, "printed": carrier_range_as_printed}
 
 CONTROLS = (
     Choice(
-        "data", "Data", {"simulated": "simulated", "real roof": "real", "GEONET": "station", "my file": "mine"}, "simulated",
+        "data", "Data", {"simulated": "simulated", "real roof": "real", "GEONET": "station", "my files": "mine"}, "simulated",
         help="A simulated receiver, a real one on a roof, one 5 km from a GEONET station (travels with the course), or your own.",
     ),
     Slider("elevation_deg", "Satellite near elevation", 10, 85, 5, 50, "deg", help="The satellite nearest to this elevation is shown."),
@@ -142,7 +142,7 @@ class SignalEngine:
                 _, rover, ephemerides = self._files.data_set(REAL_DATA[settings["data"]])
                 return self._read(rover, ephemerides), ""
             except DataUnavailable as reason:
-                return self._simulation(settings), f"No real data here, so this is simulated: {reason}"
+                return self._simulation(settings), simulated_instead(reason)
         return self._simulation(settings), ""
 
     def _simulation(self, settings):
@@ -325,12 +325,7 @@ def signal_lab():
 
 def blocked(settings):
     """Return for each control without effect on the chosen data the reason why."""
-    reasons = {}
-    if settings["data"] != "simulated":
-        reasons |= dict.fromkeys(SIMULATION_ONLY, "no effect: real data are as they are")
-    if settings["data"] != "mine":
-        reasons |= dict.fromkeys(FILES, 'choose "my file" first')
-    return reasons
+    return blocked_by_data(settings["data"], SIMULATION_ONLY, FILES)
 
 
 def figure(result):

@@ -12,7 +12,7 @@ from gnsslab.gnss.points import solve_points
 from gnsslab.gnss.signals import USED_SYSTEMS, wavelength
 from gnsslab.gnss.times import add_seconds
 from gnsslab.gnss.weighting import TYPICAL_CN0, NoiseModel, sigma_code
-from gnsslab.labs.campaigns import FileReader, require_files
+from gnsslab.labs.campaigns import FileReader, blocked_by_data, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.simulate import Noise, Static, find_preset, prepare_geometry
@@ -50,7 +50,7 @@ SIGMAS = {"law": engine_sigma, "flat": flat_sigma, "printed": flat_sigma_as_prin
 
 CONTROLS = (
     Choice(
-        "data", "Data", {"simulated": "simulated", "real roof": "real", "GEONET": "station", "my file": "mine"}, "simulated",
+        "data", "Data", {"simulated": "simulated", "real roof": "real", "GEONET": "station", "my files": "mine"}, "simulated",
         help="A simulated receiver, a real one on a roof, one near a GEONET station (travels with the course), or your own.",
     ),
     Slider("hour", "Time of day", 0, 24, 0.5, 10, "h", help="Local time; within an hour it is another sky."),
@@ -164,7 +164,7 @@ class SkyEngine:
             try:
                 return self._real(REAL_DATA[settings["data"]]), ""
             except DataUnavailable as reason:
-                return self._simulation(settings), f"No real data here, so this is simulated: {reason}"
+                return self._simulation(settings), simulated_instead(reason)
         return self._simulation(settings), ""
 
     def _simulation(self, settings):
@@ -296,12 +296,7 @@ def sky_lab():
 
 def blocked(settings):
     """Return for each control without effect on the chosen data the reason why."""
-    reasons = {}
-    if settings["data"] != "simulated":
-        reasons |= dict.fromkeys(SIMULATION_ONLY, "no effect: real data are as they are")
-    if settings["data"] != "mine":
-        reasons |= dict.fromkeys(FILES, 'choose "my file" first')
-    return reasons
+    return blocked_by_data(settings["data"], SIMULATION_ONLY, FILES)
 
 
 def figure(result):

@@ -131,7 +131,7 @@ def test_own_files_by_upload(lesson, tmp_path):
     page = lesson()
     for lab in SLIDERS:
         stage = _stage(page, lab)
-        stage.get_by_role("combobox", name="Data").select_option(label="my file")
+        stage.get_by_role("combobox", name="Data").select_option(label="my files")
         stage.get_by_text("your observation and navigation files are missing").wait_for(timeout=PATIENCE)
         for number, name in enumerate(("rover.obs", "broadcast.nav")):
             stage.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
