@@ -67,8 +67,8 @@ def _(lesson, prediction):
     The picture shows one pair of satellites. Every dot is *measured minus geometric*: what a receiver read, less the true distance to the
     satellite. What is left is error. Each line of the axis is **a hundred times** the one below.
 
-    Blue: one receiver, one satellite. Orange: rover minus master. Purple: that, one satellite minus the other. On the right you see the noise
-    alone, on one scale.
+    Blue circles: one receiver, one satellite. Orange triangles: rover minus master. Squares: that, one satellite minus the other. Beside it you
+    see the noise alone, on one scale.
     """)
     return
 
@@ -127,16 +127,16 @@ def _(cancelling, saving):
 def _(lesson, prediction):
     lesson.text(prediction, r"""
     **What you see.** Two subtractions take the error from 100 km down to millimetres. The first one removes what the *satellite* did: its clock.
-    The second one removes what the *receivers* did: their clocks. The purple dots lie far below the dashed line, which is one wave of the carrier.
+    The second one removes what the *receivers* did: their clocks. The squares lie far below the dashed line, which is one wave of the carrier.
     So you can tell which whole wave you are on.
 
     Try these, one at a time:
 
-    1. Move **Rover's clock error** to 1 ms. Orange jumps to 300 km. Purple stays.
-    2. Move **Baseline length** to 0 and to 10 km. Purple rises, because the air above the two receivers is not the same any more.
-    3. Set **Atmosphere** to *none* at 10 km. Purple falls again. Then try each part alone.
+    1. Move **Rover's clock error** to 1 ms. The triangles jump to 300 km. The squares stay.
+    2. Move **Baseline length** to 0 and to 10 km. The squares rise, because the air above the two receivers is not the same any more.
+    3. Set **Atmosphere** to *none* at 10 km. The squares fall again. Then try each part alone.
     4. Set **Clocks** to *all perfect* and **Atmosphere** to *none*. Now all three levels are noise, and you see what subtraction costs.
-    5. Press **A millisecond, believed**. Purple rises to a quarter of a metre. A clock error does no harm in the measurement, but
+    5. Press **A millisecond, believed**. The squares rise to a quarter of a metre. A clock error does no harm in the measurement, but
        it does in your *computation* of where the satellites were.
 
     **And your answer?** Millimetres. Four numbers, each wrong by kilometres, combine into one that is right to millimetres. What made them wrong
@@ -166,14 +166,14 @@ def _(mo):
 
     The *single difference* $\Delta$ is rover minus master, for one satellite:
 
-    $$\Delta\Phi^s = \Delta\rho^s + c\,\Delta dt + \Delta T^s - \Delta I^s + \lambda\,\Delta N^s + \Delta\varepsilon_\Phi$$
+    $$\begin{aligned}\Delta\Phi^s = {} & \Delta\rho^s + c\,\Delta dt + \Delta T^s - \Delta I^s \\ & + \lambda\,\Delta N^s + \Delta\varepsilon_\Phi\end{aligned}$$
 
     In words: $dt^s$ is the same number in both receivers' measurements, so it is gone. The receivers' clocks remain, as one number $\Delta dt$, the
     same for every satellite.
 
     The *double difference* $\nabla\Delta$ is satellite $s$ minus a *reference satellite*, number 1:
 
-    $$\nabla\Delta\Phi^{s1} = \nabla\Delta\rho^{s1} + \nabla\Delta T^{s1} - \nabla\Delta I^{s1} + \lambda\,\nabla\Delta N^{s1} + \nabla\Delta\varepsilon_\Phi$$
+    $$\begin{aligned}\nabla\Delta\Phi^{s1} = {} & \nabla\Delta\rho^{s1} + \nabla\Delta T^{s1} - \nabla\Delta I^{s1} \\ & + \lambda\,\nabla\Delta N^{s1} + \nabla\Delta\varepsilon_\Phi\end{aligned}$$
 
     In words: $\Delta dt$ is the same for both satellites, so it is gone too. What remains is geometry, which you want; a whole number of waves;
     a little air; and noise.
@@ -199,7 +199,12 @@ def _(lesson, prediction):
     the *same* two readings of the reference satellite. If those are off, all of them are off together.
 
     The matrices show this. Left: 1000 epochs of drawn noise, differenced twice, and the covariance that comes out by itself. Right: the covariance
-    that the solver works with. The unit is the variance of one reading. Below are the ratios of the integer search, and beside them 1000 baselines.
+    that the solver works with. The unit is the variance of one reading.
+
+    Below them you see what comes of it. At each epoch the solver looks for the whole numbers that fit best, and for those that fit second best.
+    The **ratio** says how much farther away the second best are. A large one is good; from the dashed line on, the best are believed. Their share of
+    *right integers* is counted, and it is compared with the share that the solver's own covariance *promises*. The cloud shows the baselines of all
+    epochs, in height and to the east.
     """)
     return
 
@@ -259,10 +264,10 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     **What you see.** 4 on the diagonal: four readings. 2 beside it: two of the four are shared. You did not put that in. It came out of the noise.
 
-    Press **Correlation ignored**. The measurements are the same ones, and only the solver's opinion changed. The ratios fall, so fewer epochs
-    can be believed. The black ellipse turns away from the dots: the solver is too sure of the height and too shy of the level.
+    Press **Ignored**. The measurements are the same ones, and only the solver's opinion changed. The ratios fall, so fewer epochs
+    can be believed. The black ellipse turns away from the dots: the solver is too sure of the height and not sure enough of east and north.
 
-    Press **Low reference, respected** and then **Low reference, ignored**. A poor reference does no harm to a solver that knows. It ruins one that
+    Press **Low reference** and then **Low reference, ignored**. A poor reference does no harm to a solver that knows. It ruins one that
     does not.
     """)
     return
@@ -361,7 +366,7 @@ def _(mo):
     mo.md(r"""
     ## Real data
 
-    Set **Data** to *real, 3.3 km* in either lab. Two stations of Japan's network GEONET, 3335.39 m apart, on 2 April 2005, for an hour. Nobody
+    Set **Data** to *real pair* in either lab. Two stations of Japan's network GEONET, 3335.39 m apart, on 2 April 2005, for an hour. Nobody
     simulated this.
 
     In the first lab:
@@ -371,10 +376,10 @@ def _(mo):
     * That whole number is 61 649 713. Each receiver starts its count anywhere, so it may be any number. It stays the same for the whole hour.
     * At the two upper levels the clocks hide the noise completely. Only the double difference shows it.
 
-    In the second lab, press **Two real stations**:
+    In the second lab, press **Real stations**, then **Real, ignored**:
 
     * The pattern is there: about 2 beside the diagonal, where 4 is the mean of the diagonal. It is not clean. Satellites differ, and reflected signals last for minutes.
-    * Ignoring it costs integers here as well: compare the two presets.
+    * Ignoring it costs integers here as well, and the baseline then depends on the reference.
     * The solver promises far too little success, because the sigmas that our engine assumes are about twice those of these good receivers. Whoever
       believes such promises must believe the sigmas first.
 
@@ -394,8 +399,8 @@ def _(mo):
     measurement. Two things are wrong. $D$ has $m$ columns and $R$ has $m - 1$, so the product does not exist. And the entries
     must be variances: squared. Corrected: $\operatorname{diag}(2\sigma_1^2, \dots, 2\sigma_m^2)$.
 
-    **Paper of 1998, second of three, equation (7).** Printed: the noise of rover minus master is $2V$. Corrected: $V_m - V_j$. A thing and its double is not two
-    things: $2V$ has the variance $4\sigma^2$, the difference of two independent receivers has $2\sigma^2$.
+    **Second paper of 1998, equation (7).** Printed: the noise of rover minus master is $2V$. Corrected: $V_m - V_j$, the noise of two receivers $m$ and $j$.
+    $2V$ has the variance $4\sigma^2$; the difference of two independent receivers has $2\sigma^2$.
 
     The same 1000 epochs, at the start of the second lab:
 
@@ -407,7 +412,7 @@ def _(mo):
     | as printed: 2 V | 97.7 % | 65.2 % | 3.63 | 8.9 mm | 6.4 mm |
 
     Not squared, the numbers depend on the unit: in metres a sigma of 0.003 stands for a variance of 0.000009, and all carriers look
-    13 times worse than they are. The codes look only little worse, so the search trusts the wrong ones. With $2V$ the ratios do not move at all, because a common
+    13 times worse than they are. The codes look only 1.3 times worse, so the carriers lose their advantage over them. With $2V$ the ratios do not move at all, because a common
     factor cancels in them. Only the promises and the sigmas are wrong, and nobody looks at those.
 
     **Paper of 2021, equation (1).** Printed: $\lambda\phi = R - cV_{t_j} + cV_{t^p} - \lambda N - V_{ion} - V_{trop}$. The text calls the $V$ errors and delays. Then
@@ -430,14 +435,14 @@ def _(mo):
 
 @app.cell(hide_code=True)
 def _(lesson):
-    doubled = lesson.ask("sigma-of-a-double-difference")
-    lesson.sheet("sigma-of-a-double-difference", doubled)
-    return (doubled,)
+    four_readings = lesson.ask("sigma-of-a-double-difference")
+    lesson.sheet("sigma-of-a-double-difference", four_readings)
+    return (four_readings,)
 
 
 @app.cell(hide_code=True)
-def _(doubled, lesson):
-    lesson.check("sigma-of-a-double-difference", doubled.value)
+def _(four_readings, lesson):
+    lesson.check("sigma-of-a-double-difference", four_readings.value)
     return
 
 
@@ -518,7 +523,7 @@ def _(mo):
     * **A slip.** A receiver that loses lock starts counting anew. From then on one double difference is off by whole waves.
     * **Height.** Two receivers at different heights look through different amounts of air. A hundred metres of height cost 3 cm towards the zenith, if you do not model it.
     * **The base's position.** An error of 10 m in the master's own coordinates turns and stretches the baseline by half a millimetre per kilometre.
-    * **Same noise, new hat.** Differencing removes unknowns, never noise. With the right $Q_y$ you lose nothing against solving for all clocks. Without it you do.
+    * **Less noise?** No. Differencing removes unknowns, never noise. With the right $Q_y$ you lose nothing against solving for all clocks. Without it you do.
 
     ## Sources
 

@@ -20,7 +20,7 @@ MM = 1e-3
 def plot_correlation(result, figure=None):
     """Draw both pictures of a CorrelationResult side by side; return the Figure."""
     with rc_context(STYLE):
-        figure = figure if figure is not None else new_figure(840, 540)
+        figure = figure if figure is not None else new_figure(840, 480)
         pattern, cloud = figure.subfigures(1, 2, width_ratios=(1.35, 1))
         for build, part in ((build_pattern, pattern), (build_cloud, cloud)):
             build(part).show(result)
@@ -30,8 +30,8 @@ def plot_correlation(result, figure=None):
 def build_pattern(figure):
     """Lay out the covariance that the noise shows beside the one the solver believes, and below them the ratios; show(result) fills them in."""
     titles = ("what the noise does", "what the solver believes")
-    matrices = [_Matrix(figure.add_axes((left, 0.50, 0.475, 0.445)), title) for left, title in zip((0.015, 0.51), titles, strict=True)]
-    ratios = _Ratios(figure.add_axes((0.11, 0.095, 0.83, 0.29)))
+    matrices = [_Matrix(figure.add_axes((left, 0.475, 0.475, 0.47)), title) for left, title in zip((0.015, 0.51), titles, strict=True)]
+    ratios = _Ratios(figure.add_axes((0.11, 0.105, 0.83, 0.245)))
 
     def show(result):
         most = max(float(np.max(result.sampled)), 1e-12)

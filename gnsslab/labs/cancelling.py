@@ -34,8 +34,8 @@ MOSTLY = 0.9  # share of the epochs at which a satellite must have been measured
 LOWEST = np.radians(10.0)
 
 CONTROLS = (
-    Choice("data", "Data", {"simulated": "simulated", "real, 3.3 km": "real", "my files": "mine"}, "simulated",
-           help="Simulated receivers, two real stations in Japan, or your own RINEX files."),
+    Choice("data", "Data", {"simulated": "simulated", "real pair": "real", "my files": "mine"}, "simulated",
+           help="Simulated, two stations in Japan 3.3 km apart, or your own RINEX files."),
     Choice("observable", "Measurement", {"carrier": "carrier", "code": "code"}, "carrier", help="The carrier's phase, or the code."),
     Choice("clocks", "Clocks", {"as they are": True, "all perfect": False}, True, help="Of both receivers and of the satellites."),
     Choice("atmosphere", "Atmosphere", {"none": "", "ionosphere": "I", "troposphere": "T", "both": "IT"}, "IT", help="What delays the signals."),
@@ -43,9 +43,9 @@ CONTROLS = (
     Slider("rover_clock", "Rover's clock error", 0, 1, 0.01, 0.01, "ms", help="A millisecond is 300 km of light."),
     Choice("transmission", "Time of transmission", {"from each code": "code", "from the time tags": "tags"}, "code", more=True,
            help="How you know when the signal left: a receiver's own code tells, whatever its clock says. A time tag is as wrong as the clock."),
-    Choice("satellite", "Satellite", {"the second highest": "high", "a middle one": "middle", "the lowest": "low"}, "low", more=True,
-           help="Which one is compared with the reference."),
-    Choice("reference", "Reference satellite", {"the highest": "high", "a middle one": "middle", "the lowest": "low"}, "high", more=True,
+    Choice("satellite", "Satellite", {"high": "high", "middle": "middle", "lowest": "low"}, "low", more=True,
+           help="Which one is compared with the reference. High: the highest but one."),
+    Choice("reference", "Reference satellite", {"highest": "high", "middle": "middle", "lowest": "low"}, "high", more=True,
            help="Which one the others are compared with."),
     Choice("noise", "Antennas", {"survey": "survey", "cheap": "cheap"}, "survey", help="Cheap ones are twice as noisy.", more=True),
     Slider("seed", "Seed", 1, 100, 1, 33, help="Another seed is another draw of the noise.", more=True),

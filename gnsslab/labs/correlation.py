@@ -45,14 +45,14 @@ BELIEFS = {
 }
 
 CONTROLS = (
-    Choice("data", "Data", {"simulated": "simulated", "real, 3.3 km": "real", "my files": "mine"}, "simulated",
-           help="Simulated receivers, two real stations in Japan, or your own RINEX files."),
+    Choice("data", "Data", {"simulated": "simulated", "real pair": "real", "my files": "mine"}, "simulated",
+           help="Simulated, two stations in Japan 3.3 km apart, or your own RINEX files."),
     Choice("belief", "The solver believes",
            {"correlation respected": "respected", "correlation ignored": "ignored", "as printed: not squared": "unsquared",
             "as printed: 2 V": "doubled"}, "respected",
            help="The covariance that it works with. The measurements stay the same."),
     Slider("satellites", "Satellites", FEWEST_SATELLITES, 9, 1, 8, help="Of GPS, from the highest to the lowest; one carrier."),
-    Choice("reference", "Reference satellite", {"the highest": "high", "a middle one": "middle", "the lowest": "low"}, "high",
+    Choice("reference", "Reference satellite", {"highest": "high", "middle": "middle", "lowest": "low"}, "high",
            help="Which one is taken off all others."),
     Switch("growing", "Noise grows towards the horizon", False, help="Off: all satellites equally good. On: the low ones are worse, and weigh less."),
     Slider("code_noise", "Code noise", 0.1, 1, 0.05, 0.3, "m", help="Of one reading of one receiver, at the zenith."),
@@ -68,22 +68,22 @@ SIMULATION_ONLY = ("code_noise", "carrier_noise", "seed")
 PRESETS = (
     Preset("pattern", "Start", {},
            "Left, from the noise itself: about 4 on the diagonal and 2 beside it. Right, by the formula: the same, and most epochs are solved."),
-    Preset("ignored", "Correlation ignored", {"belief": "ignored"},
+    Preset("ignored", "Ignored", {"belief": "ignored"},
            "The same measurements, the zeros on the right: the ratios fall, and up scatters more than the solver admits."),
-    Preset("low-respected", "Low reference, respected", {"growing": True, "reference": "low", "satellites": 9, "code_noise": 0.2},
+    Preset("low-respected", "Low reference", {"growing": True, "reference": "low", "satellites": 9, "code_noise": 0.2},
            "The worst satellite is the reference and its noise is in every difference, but the solver knows: nothing is lost."),
     Preset("low-ignored", "Low reference, ignored",
            {"growing": True, "reference": "low", "satellites": 9, "code_noise": 0.2, "belief": "ignored"},
            "The same measurements once more: a solver that thinks the differences independent loses most of its epochs."),
-    Preset("doubled", "Printed: 2 V", {"belief": "doubled"},
+    Preset("doubled", "2 V", {"belief": "doubled"},
            "The pattern is 8-4-4 and every sigma 1.4 times too large, but the ratios do not move: a common factor cancels in them."),
-    Preset("unsquared", "Printed: not squared", {"belief": "unsquared"},
+    Preset("unsquared", "Not squared", {"belief": "unsquared"},
            "Sigmas where variances belong: carriers look 13 times worse than they are, and hardly an epoch is believed."),
     Preset("few", "Six satellites", {"satellites": 6},
            "Five differences for three coordinates: the integers are lost, whatever the solver believes."),
-    Preset("real-pattern", "Two real stations", {"data": "real", "satellites": 6, "reference": "low"},
+    Preset("real-pattern", "Real stations", {"data": "real", "satellites": 6, "reference": "low"},
            "Nobody simulated this: the residuals of an hour in Japan show the pattern by themselves, on the left."),
-    Preset("real-ignored", "Two real stations, ignored", {"data": "real", "satellites": 6, "reference": "low", "belief": "ignored"},
+    Preset("real-ignored", "Real, ignored", {"data": "real", "satellites": 6, "reference": "low", "belief": "ignored"},
            "The same hour with the correlation ignored: fewer epochs get the right integers, and the baseline now depends on the reference."),
 )  # fmt: skip
 
@@ -281,7 +281,7 @@ def drawings():
     """Return the two pictures of the lab."""
     from gnsslab.figures.correlation import build_cloud, build_pattern
 
-    return Drawing("pattern", build_pattern, 460, 540), Drawing("cloud", build_cloud, 350, 360)
+    return Drawing("pattern", build_pattern, 460, 480), Drawing("cloud", build_cloud, 350, 360)
 
 
 def describe(result):

@@ -54,7 +54,7 @@ def test_a_preset_by_its_button(lesson):
     before, other = _readouts(page, "cancelling"), _readouts(page, "correlation")
     page.get_by_role("button", name="A millisecond off").click()
     assert "299 km" in _await_change(page, "cancelling", before)
-    page.get_by_text("the double difference does not care").wait_for()
+    page.locator(".gl-look").get_by_text("the double difference does not care").wait_for()
     assert _readouts(page, "correlation") == other
 
 
@@ -69,7 +69,7 @@ def test_real_data_in_both_labs(lesson, dataset):
     page = lesson()
     for lab, words in (("cancelling", "61649713"), ("correlation", "Right integers")):
         before = _readouts(page, lab)
-        _stage(page, lab).get_by_role("radio", name="real, 3.3 km").click()
+        _stage(page, lab).get_by_role("radio", name="real pair").click()
         assert words in _await_change(page, lab, before)
         assert _stage(page, lab).get_by_role("slider", name="Seed").get_attribute("data-disabled") is not None
         _stage(page, lab).get_by_text("no effect: real data are as they are").first.wait_for()
