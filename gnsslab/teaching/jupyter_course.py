@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import logging
 import secrets
 import signal
 from hashlib import sha256
@@ -106,6 +107,7 @@ def _run_jupyterlab(folder, port, open_browser, is_first, say):
     first = min((path.name for path in folder.glob("*.ipynb")), default="")
     page = f"/lab/tree/{first}" if is_first else "/lab"
     options = _options(folder, port, open_browser, page)
+    logging.disable(logging.ERROR)  # a page that is closed while the server writes to it is logged as an error, with a traceback
     server = LabApp.initialize_server(argv=[f"--{name}={value}" for name, value in options.items()])
     say(f"the notebooks are at {server.connection_url.rstrip('/')}{page}?token={options['IdentityProvider.token']} (stop them with Ctrl-C)")
     signal.signal(signal.SIGINT, lambda *_: server.stop(from_signal=True))  # JupyterLab would ask whether Ctrl-C was meant
@@ -120,7 +122,6 @@ def _options(folder, port, open_browser, page):
         "ServerApp.root_dir": folder,
         "ServerApp.open_browser": open_browser,
         "ServerApp.allow_root": True,  # in a container; others cannot reach it
-        "ServerApp.log_level": "ERROR",
         "IdentityProvider.token": secrets.token_urlsafe(24),
         "LabApp.default_url": page,
         "LabApp.app_settings_dir": SETTINGS,
@@ -128,6 +129,5 @@ def _options(folder, port, open_browser, page):
         "LabApp.news_url": None,
         "LabApp.check_for_updates_class": "jupyterlab.NeverCheckForUpdate",
         "LabApp.extension_manager": "readonly",
-        "LabApp.log_level": "ERROR",
         "MappingKernelManager.transport_encryption": "auto",  # or each kernel would warn that it has none
     }
