@@ -67,11 +67,11 @@ def test_a_preset_by_link(lesson):
 def test_real_data_in_both_labs(lesson, dataset):
     dataset("geonet-0759-3040")
     page = lesson()
-    for lab, words in (("cancelling", "61649713"), ("correlation", "Right integers")):
+    for lab, words, blocked in (("cancelling", "61649713", "Baseline length"), ("correlation", "Right integers", "Code noise")):
         before = _readouts(page, lab)
         _stage(page, lab).get_by_role("radio", name="real pair").click()
         assert words in _await_change(page, lab, before)
-        assert _stage(page, lab).get_by_role("slider", name="Seed").get_attribute("data-disabled") is not None
+        assert _stage(page, lab).get_by_role("slider", name=blocked).get_attribute("data-disabled") is not None
         _stage(page, lab).get_by_text("no effect: real data are as they are").first.wait_for()
 
 
