@@ -15,7 +15,7 @@ from gnsslab.gnss.weighting import NoiseModel
 from gnsslab.labs.campaigns import FileReader, require_files
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
-from gnsslab.labs.single_epochs import SingleDifferences, sampled_covariance, solve_each_epoch
+from gnsslab.labs.single_epochs import SingleDifferences, fixed_baselines, sampled_covariance, solve_each_epoch
 from gnsslab.labs.static_pairs import static_pair
 from gnsslab.simulate import find_preset, prepare_geometry
 from gnsslab.simulate.geometry import antenna_position
@@ -228,12 +228,13 @@ def _solve(settings, case):
     reference = {"high": 0, "middle": m // 2, "low": m - 1}[settings["reference"]]
     belief, unit = BELIEFS[settings["belief"]], data.sigma_phase.min() ** 2
     sampled = sampled_covariance(data, reference)
+    solved = solve_each_epoch(data, reference, belief)
     return CorrelationResult(
         settings,
         sampled=sampled / (unit if case.sigma_is_known else _fitting_unit(data, sampled, reference)),
         believed=belief(data.sigma_phase, reference) / unit,
-        solved=solve_each_epoch(data, reference, belief),
-        best=solve_each_epoch(data, reference, double_difference_covariance),
+        solved=solved,
+        best=solved if belief is double_difference_covariance else solve_each_epoch(data, reference, double_difference_covariance),
         moved=_moved(data, belief),
         satellites=case.satellites,
         reference=reference,
@@ -243,7 +244,7 @@ def _solve(settings, case):
 
 def _moved(data, belief):
     """Return by how much [m], rms, the baselines change from the highest to the lowest satellite as reference."""
-    high, low = (solve_each_epoch(data, reference, belief).baseline for reference in (0, len(data.integers) - 1))
+    high, low = (fixed_baselines(data, reference, belief)[0] for reference in (0, len(data.integers) - 1))
     return float(np.sqrt(np.mean(np.sum((high - low) ** 2, axis=1))))
 
 

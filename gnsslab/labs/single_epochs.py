@@ -55,15 +55,22 @@ def solve_each_epoch(data, reference, believed):
     a_hat = (phase - np.matvec(B, np.matvec(gain, code))) / data.wavelength
     Q_a = (Q_phase + B @ Q_b @ np.swapaxes(B, -1, -2)) / data.wavelength**2
     found = integer_least_squares(a_hat, Q_a if len(Q_a) > 1 else Q_a[0])
-    gain, Q_fixed = _weighted(B, Q_phase)
+    baseline, Q_baseline = fixed_baselines(data, reference, believed)
     return Solved(
         ratio=found.ratio,
-        is_right=(found.best == np.rint(truth)).all(axis=-1),
+        is_right=(found.best == truth).all(axis=-1),
         threshold=float(ratio_threshold(len(truth))),
         promised=float(np.median(success_rate(Q_a))),
-        baseline=np.matvec(gain, phase - data.wavelength * truth),
-        Q_baseline=Q_fixed[len(Q_fixed) // 2],
+        baseline=baseline,
+        Q_baseline=Q_baseline,
     )
+
+
+def fixed_baselines(data, reference, believed):
+    """Return the baselines (T, 3) [m] that the carriers give with the true integers, and the covariance (3, 3) claimed at the middle epoch."""
+    D = difference_operator(len(data.integers), reference)
+    gain, Q = _weighted(D @ data.design, believed(data.sigma_phase, reference))
+    return np.matvec(gain, (data.phase - data.wavelength * data.integers) @ D.T), Q[len(Q) // 2]
 
 
 def sampled_covariance(data, reference):
