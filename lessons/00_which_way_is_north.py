@@ -243,24 +243,82 @@ def _(mo):
     mo.md(r"""
     ## Find the printed error
 
-    This lesson follows a paper of 2019 on low-cost receivers. Some of its formulas went wrong in print. The engine
-    uses the corrected ones.
+    This lesson follows a paper of 2019 on low-cost receivers. Some of its formulas went wrong in print. The engine uses the
+    corrected ones. Here you can switch between them.
 
-    **Heading, equation (5).** Printed: $\arctan(e/n)$. Corrected: $\operatorname{atan2}(e, n)$. A heading of 120° comes
-    out as −60°.
+    | | as printed | corrected |
+    |---|---|---|
+    | heading (5) | $\arctan(e/n)$ | $\operatorname{atan2}(e, n)$ |
+    | pitch (6) | $\arcsin(u/h)$ | $\operatorname{atan2}(u, h)$ |
 
-    **Pitch, equation (6).** Printed: $\arcsin(u/h)$. Corrected: $\operatorname{atan2}(u, h)$.
+    The sigmas (33) and (34) went wrong too. In the first a dilution was not squared, so that the result even depends on the
+    unit. In the second a $\cos^2\psi$ was lost, and east and north changed places.
 
-    | true pitch | 2° | 10° | 20° | 30° | above 45° |
-    |---|---|---|---|---|---|
-    | printed (6) | 2.001° | 10.16° | 21.34° | 35.26° | none |
-
-    **Sigma of heading and pitch, equations (33) and (34).** In print, east and north changed places, a dilution was not
-    squared, and a $\cos^2\psi$ was lost. With $\sigma_e, \sigma_n, \sigma_u$ = 6, 9, 16 mm, a length of 1.167 m, a heading
-    of 50° and a pitch of 25°, print gives 3.24° and 1.67°. Corrected, and confirmed by a Monte Carlo run: 0.43° and 0.73°.
-
-    Why did nobody notice? The paper measured on level ground. At 2° of pitch the misprint in (6) is a thousandth of a degree.
+    In the first picture you see the error of the formula at all headings and at all pitches. The second shows 2000 beams
+    drawn with the errors you set. Two thirds of them should lie within the dashed lines: that is what a sigma promises.
     """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(lesson, mo):
+    printed = lesson.lab("printed")
+    chosen_print, choose_print = mo.state(None)
+    return choose_print, chosen_print, printed
+
+
+@app.cell(hide_code=True)
+def _(choose_print, printed):
+    presets_print = printed.presets(choose_print)
+    printed.preset_row(presets_print)
+    return (presets_print,)
+
+
+@app.cell(hide_code=True)
+def _(controls_print, printed, steering_print):
+    result_print = printed.run(steering_print.value, controls_print.value)
+    printed.view(result_print)
+    return (result_print,)
+
+
+@app.cell(hide_code=True)
+def _(chosen_print, printed):
+    steering_print = printed.steering(chosen_print())
+    return (steering_print,)
+
+
+@app.cell(hide_code=True)
+def _(chosen_print, printed, steering_print):
+    controls_print = printed.controls(steering_print.value, chosen_print())
+    printed.panel(steering_print, controls_print)
+    return (controls_print,)
+
+
+@app.cell(hide_code=True)
+def _(printed):
+    saving_print = printed.saving()
+    printed.saving_row(saving_print)
+    return (saving_print,)
+
+
+@app.cell(hide_code=True)
+def _(printed, saving_print):
+    printed.link(saving_print.value)
+    return
+
+
+@app.cell(hide_code=True)
+def _(mo):
+    mo.md(r"""
+    Why did nobody notice? The paper measured northward and on level ground. At 2° of pitch the misprint in (6) is a thousandth
+    of a degree. So small an error can hide, and this goal asks you to hide it once more:
+    """)
+    return
+
+
+@app.cell(hide_code=True)
+def _(printed, result_print):
+    printed.goal("unnoticed", result_print)
     return
 
 

@@ -27,7 +27,7 @@ CONTROLS = (
 )  # fmt: skip
 
 PRESETS = (
-    Preset("start", "Start", {},
+    Preset("misprint", "As printed", {},
            "A beam to the south-east comes out half a turn off, and 1.3 deg too steep. Now set Formula to corrected."),
     Preset("level", "Level roof", {"heading_deg": 35, "pitch_deg": 2},
            "Northward and nearly level: both printed angles are right to a thousandth of a degree. So nobody noticed."),

@@ -54,7 +54,7 @@ LESSONS = (
             "tell a fixed answer from a float one, and know which to trust",
             "get heading out of your own two RINEX files with six lines",
         ),
-        ("gnsslab.labs.north:north_lab",),
+        ("gnsslab.labs.north:north_lab", "gnsslab.labs.printed_angles:printed_angles_lab"),
     ),
     Lesson(
         "01",

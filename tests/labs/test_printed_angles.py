@@ -75,7 +75,7 @@ def test_curves_pass_through_the_beam(lab):
 
 def test_presets_show_what_they_promise(lab):
     runs = {preset.name: lab.run(**preset.settings) for preset in lab.presets}
-    assert (runs["start"].heading_error, runs["start"].pitch_error) == pytest.approx((180, 1.344), abs=5e-4)
+    assert (runs["misprint"].heading_error, runs["misprint"].pitch_error) == pytest.approx((180, 1.344), abs=5e-4)
     assert abs(runs["level"].heading_error) < 1e-9
     assert abs(runs["level"].pitch_error) < 0.002
     assert runs["south"].heading_error == pytest.approx(180)
