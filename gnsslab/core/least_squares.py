@@ -57,7 +57,7 @@ def least_squares(A, y, sigma, used=None):
         residual=np.where(is_solved[..., None], y - _matvec(A, x), np.nan),
         normalised=np.where(is_solved[..., None], _normalised(v_w, half, used), 0.0),
         used=used,
-        chi_square=np.where(is_solved, (v_w**2).sum(axis=-1), np.nan),
+        chi_square=np.where(is_solved, np.vecdot(v_w, v_w), np.nan),
         redundancy=redundancy,
         is_solved=is_solved,
     )
@@ -144,7 +144,7 @@ def _lower_inverse(L):
 
 def _normalised(v_w, half, used):
     """Return residuals of unit weight (..., k) over their standard deviation sqrt(1 - h); 0 where h is 1: nothing checks that row."""
-    redundancy_number = 1.0 - (half**2).sum(axis=-1)
+    redundancy_number = 1.0 - np.vecdot(half, half)
     checked = used & (redundancy_number > SMALLEST_REDUNDANCY)
     spread = np.sqrt(np.where(checked, redundancy_number, 1.0))
     return np.where(checked, v_w / spread, 0.0)

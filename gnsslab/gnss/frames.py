@@ -52,6 +52,15 @@ def enu_rotation(position):
     [20.0, 30.0, 10.0]
     """
     lat, lon, _ = np.moveaxis(geodetic_from_ecef(position), -1, 0)
+    return enu_rotation_at(lat, lon)
+
+
+def enu_rotation_at(lat, lon):
+    """Return R_ne (..., 3, 3) as `enu_rotation` does, at latitudes and longitudes (...) [rad] already known.
+
+    >>> (enu_rotation_at(np.pi / 2, 0.0) @ [0.0, 0.0, 1.0]).round(9).tolist()
+    [0.0, 0.0, 1.0]
+    """
     sin_lat, cos_lat, sin_lon, cos_lon = np.sin(lat), np.cos(lat), np.sin(lon), np.cos(lon)
     east = np.stack([-sin_lon, cos_lon, np.zeros_like(lon)], axis=-1)
     north = np.stack([-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat], axis=-1)

@@ -10,9 +10,9 @@ import numpy as np
 
 from gnsslab.gnss.delays import saastamoinen
 from gnsslab.gnss.differences import Pair
-from gnsslab.gnss.frames import azimuth_elevation, enu_rotation, geodetic_from_ecef
+from gnsslab.gnss.frames import azimuth_elevation, enu_rotation_at, geodetic_from_ecef
 from gnsslab.gnss.orbits import rotate_to_reception, satellite_states, select_ephemerides
-from gnsslab.gnss.screening import ages, cycle_slips, has_half_cycle, is_shadowed
+from gnsslab.gnss.screening import ages, cycle_slips, has_half_cycle, is_shadowed, row_medians
 from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.gnss.times import usual_step
 from gnsslab.gnss.weighting import information_step, sigma_code, sigma_phase
@@ -82,10 +82,10 @@ def _trace(pair, tracks, time, receiver_ecef, ephemerides, index):
     sight = rotate_to_reception(states.position, travel_time) - receiver_ecef[:, None]
     rho = np.linalg.norm(sight, axis=-1)
     u = sight / rho[..., None]
-    R_ne = enu_rotation(receiver_ecef)
+    lat, lon, height = np.moveaxis(geodetic_from_ecef(receiver_ecef), -1, 0)
+    R_ne = enu_rotation_at(lat, lon)
     _, elevation = azimuth_elevation(np.einsum("tij,tmj->tmi", R_ne, u))
-    lat, _, height = np.moveaxis(geodetic_from_ecef(receiver_ecef), -1, 0)[..., None]
-    troposphere, slope = _troposphere(lat, height, elevation)
+    troposphere, slope = _troposphere(lat[:, None], height[:, None], elevation)
     return _Traced(
         modelled=rho + troposphere - SPEED_OF_LIGHT * states.clock,
         design=slope[..., None] * R_ne[:, None, 2] - u,
@@ -116,9 +116,7 @@ def _usable(pair, modelled, elevation, mask):
 
 def _has_gross_code(pair, code):
     """Return (T, c) bool: one of the satellite's codes is kilometres off the usual one of its epoch; its time of transmission is not known then."""
-    known = np.isfinite(code).any(axis=1)
-    usual = np.zeros(len(code))
-    usual[known] = np.nanmedian(code[known], axis=1)
+    usual = row_medians(code)
     gross = np.zeros((len(code), len(pair.satellites)), dtype=bool)
     for channel, satellite in enumerate(pair.satellite):
         with np.errstate(invalid="ignore"):

@@ -7,7 +7,7 @@ from scipy.special import chdtri
 
 from gnsslab.core.least_squares import LeastSquares, least_squares, worst_rows
 from gnsslab.gnss.delays import klobuchar, saastamoinen
-from gnsslab.gnss.frames import azimuth_elevation, enu_rotation, geodetic_from_ecef
+from gnsslab.gnss.frames import azimuth_elevation, enu_rotation_at, geodetic_from_ecef
 from gnsslab.gnss.orbits import EARTH_RATE_WGS84, SatelliteStates, group_delay, rotate_to_reception, satellite_states
 from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.gnss.weighting import NoiseModel, sigma_code
@@ -16,7 +16,7 @@ ROUGH_SIGMA = 30.0  # [m] of any code before its elevation is known: the atmosph
 SCREENING_THRESHOLD = 4.0  # normalised residual: one good measurement in 16 000 is taken out
 FALSE_ALARM = 1e-3  # of the chi-square test: one good epoch in a thousand would be refused
 LOWEST_RADIUS, HIGHEST_RADIUS = 6.3e6, 2e7  # [m] from the centre of the Earth: the poles are at 6.36e6, GPS at 2.66e7
-CONVERGED = 1.0  # [m]: a step s leaves s^2 / (2 * 20 000 km) to go, here 25 nm
+CONVERGED = 100.0  # [m]: a step s leaves s^2 / (2 * 20 000 km) to go, here 0.25 mm; the last round's step is centimetres and leaves nothing
 MOST_STEPS = 12  # from the centre of the Earth five to six are needed
 LOWEST_MAPPED = np.radians(2.0)  # below it the delays and sigmas of this elevation serve
 UNKNOWN_ACCURACY = 10.0  # [m], for a satellite whose broadcast gives none
@@ -58,6 +58,7 @@ class Located(NamedTuple):
     """Positions of T epochs, how they were found, and the directions seen from there."""
 
     position: np.ndarray  # (T, 3) ECEF [m]
+    geodetic: np.ndarray  # (T, 3) latitude, longitude [rad] and height [m] from which the satellites were seen
     fit: LeastSquares  # of the last step: x = (step, clocks), residuals and the satellites kept
     rough: LeastSquares  # of the first round, without mask and atmosphere
     rough_radius: np.ndarray  # (T,) [m] of the first round's position from the centre of the Earth
@@ -198,15 +199,16 @@ def _seen_from(position, sky, mask):
     """Return a Located without a fit: satellites in the frame of reception at positions (T, 3), and where they stand in the sky."""
     satellite = rotate_to_reception(sky.states.position, travel_times(sky.states.position, position))
     u, _ = lines_of_sight(satellite, position)
-    u_enu = u @ np.swapaxes(enu_rotation(position), -1, -2)
+    geodetic = geodetic_from_ecef(position)
+    u_enu = u @ np.swapaxes(enu_rotation_at(geodetic[:, 0], geodetic[:, 1]), -1, -2)
     azimuth, elevation = azimuth_elevation(u_enu)
     above = sky.usable & (elevation >= mask)
-    return Located(position, None, None, None, above, satellite, u, u_enu, azimuth, elevation)
+    return Located(position, geodetic, None, None, None, above, satellite, u, u_enu, azimuth, elevation)
 
 
 def _corrected(sky, seen, used):
     """Return the Problem with atmosphere and weights as seen from a supposed place."""
-    latitude, longitude, height = np.moveaxis(geodetic_from_ecef(seen.position), -1, 0)[..., None]
+    latitude, longitude, height = np.moveaxis(seen.geodetic, -1, 0)[..., None]
     elevation = np.maximum(seen.elevation, LOWEST_MAPPED)
     troposphere = saastamoinen(latitude, height, elevation)
     ionosphere, ionosphere_left = _ionosphere(sky, latitude, longitude, seen.azimuth, elevation)

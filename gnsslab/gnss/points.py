@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -70,13 +71,22 @@ class Points:
 
     def main_reason(self):
         """Return a reason of the kind most unsolved epochs give (numbers aside), empty where all are solved."""
-        reasons = self.reason[~self.is_solved].tolist()
-        kinds = [re.sub(r"\d+", "#", reason) for reason in reasons]
-        return reasons[kinds.index(Counter(kinds).most_common(1)[0][0])] if reasons else ""
+        return _most_common(self.reason)
 
     def __repr__(self):
         solved = int(self.is_solved.sum())
         return f"Points: {len(self.time)} epochs, {solved} solved; {len(self.names)} satellites of {self.systems or 'no system'}"
+
+
+class Positions(NamedTuple):
+    """Single point positions of T epochs and nothing else."""
+
+    position_ecef: np.ndarray  # (T, 3) [m] of the antenna, NaN where there is none
+    reason: np.ndarray  # (T,) text, why there is no solution; empty where there is one
+
+    def main_reason(self):
+        """Return a reason of the kind most unsolved epochs give (numbers aside), empty where all are solved."""
+        return _most_common(self.reason)
 
 
 _PER_EPOCH = tuple(f.name for f in fields(Points) if f.name not in ("names", "systems"))
@@ -91,14 +101,23 @@ def solve_points(observations, ephemerides, *, systems=USED_SYSTEMS, mask_deg=10
     `epochs` (indices, mask or slice) picks some epochs; `mask_deg` is the lowest elevation used. An epoch without a
     solution is NaN with the reason in words; an unknown system raises ValueError.
     """
-    _check(systems, mask_deg)
-    measured = single_frequency_codes(observations, systems)
-    epochs = np.arange(len(observations.time))[slice(None) if epochs is None else epochs]
-    systems = "".join(dict.fromkeys(name[0] for name in measured.satellites))
-    chunks = [epochs[i : i + _CHUNK] for i in range(0, max(len(epochs), 1), _CHUNK)]
+    measured, chunks = _chunks(observations, systems, mask_deg, epochs)
+    systems = _letters(measured.satellites)
     parts = [_solve_chunk(observations.time[chunk], measured, chunk, systems, ephemerides, np.radians(mask_deg)) for chunk in chunks]
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _PER_EPOCH}
     return Points(**joined, names=measured.satellites, systems=systems)
+
+
+def solve_positions(observations, ephemerides, *, systems=USED_SYSTEMS, mask_deg=10.0, epochs=None):
+    """Return the `Positions` of one receiver: those of `solve_points`, without velocities and dilutions, in three quarters of the time."""
+    measured, chunks = _chunks(observations, systems, mask_deg, epochs)
+    parts = []
+    for chunk in chunks:
+        sky, _ = _sky_of_chunk(observations.time[chunk], measured, chunk, _letters(measured.satellites), ephemerides)
+        located = locate(sky, np.radians(mask_deg))
+        reason = no_solution_reasons(sky, located, np.radians(mask_deg))
+        parts.append((np.where((reason == "")[:, None], located.position, np.nan), reason))
+    return Positions(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def dilution_of_precision(u_enu, used):
@@ -122,11 +141,27 @@ def _check(systems, mask_deg):
         raise ValueError(f"the elevation mask must be between -90 and 90 degrees, {mask_deg:g} was given")
 
 
-def _solve_chunk(time, measured, epochs, systems, ephemerides, mask):
-    """Return the Points of some epochs; satellites not seen in them take no part, and stand empty in the result."""
+def _chunks(observations, systems, mask_deg, epochs):
+    """Return the Dense codes of a receiver, and the chosen epochs in chunks of indices."""
+    _check(systems, mask_deg)
+    epochs = np.arange(len(observations.time))[slice(None) if epochs is None else epochs]
+    return single_frequency_codes(observations, systems), [epochs[i : i + _CHUNK] for i in range(0, max(len(epochs), 1), _CHUNK)]
+
+
+def _letters(satellites):
+    return "".join(dict.fromkeys(name[0] for name in satellites))
+
+
+def _sky_of_chunk(time, measured, epochs, systems, ephemerides):
+    """Return the Sky of some epochs, and which satellites (j,) were seen in them: the others take no part."""
     columns = np.flatnonzero(np.isfinite(measured.code[epochs]).any(axis=0))
-    points = _solve(sky_of(time, measured.part(epochs, columns), systems, ephemerides), mask)
-    shape = (len(epochs), len(measured.satellites))
+    return sky_of(time, measured.part(epochs, columns), systems, ephemerides), columns
+
+
+def _solve_chunk(time, measured, epochs, systems, ephemerides, mask):
+    """Return the Points of some epochs; satellites not seen in them stand empty in the result."""
+    sky, columns = _sky_of_chunk(time, measured, epochs, systems, ephemerides)
+    points, shape = _solve(sky, mask), (len(epochs), len(measured.satellites))
     return replace(points, **{name: _spread(getattr(points, name), columns, shape) for name in _PER_SATELLITE})
 
 
@@ -163,3 +198,10 @@ def _solve(sky, mask):
         names=sky.names,
         systems=sky.systems,
     )
+
+
+def _most_common(reasons):
+    """Return the first of the most common kind of reasons, numbers and empty ones aside; empty where there is none."""
+    given = [reason for reason in reasons.tolist() if reason]
+    kinds = [re.sub(r"\d+", "#", reason) for reason in given]
+    return given[kinds.index(Counter(kinds).most_common(1)[0][0])] if given else ""

@@ -15,7 +15,7 @@ from gnsslab.gnss.blocks import run_blocks
 from gnsslab.gnss.differences import pair_receivers
 from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.modelling import build_model
-from gnsslab.gnss.points import solve_points
+from gnsslab.gnss.points import solve_points, solve_positions
 from gnsslab.gnss.signals import USED_SYSTEMS
 from gnsslab.gnss.times import usual_step
 from gnsslab.gnss.weighting import NoiseModel, inflation_of_mean
@@ -93,8 +93,8 @@ def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
     l / 20 000 km only. Options and errors as in `solve_relative`.
     """
     settings = Settings(**settings)
-    points = solve_points(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
-    return _solve(master, rover, _positions(points), ephemerides, False, settings, progress)
+    found = solve_positions(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
+    return _solve(master, rover, _without_gaps(found), ephemerides, False, settings, progress)
 
 
 def ratio_threshold(n, acceptance=16.0):
@@ -142,7 +142,7 @@ def station_position(base, ephemerides):
     """
     position = header_position(base)
     if position is None or distance_from_codes(position, base, ephemerides) > BASE_MISPLACED:
-        return _positions(solve_points(base, ephemerides)).mean(axis=0)
+        return _without_gaps(solve_positions(base, ephemerides)).mean(axis=0)
     return position
 
 
@@ -184,8 +184,8 @@ def _solve(master, rover, master_ecef, ephemerides, static, settings, progress):
     """Return Relative for all epochs of the rover, given the master's position (T_master, 3) at all of its own."""
     pair = pair_receivers(master, rover, settings.systems, settings.frequencies, settings.signals)
     letters = "".join(sorted({name[0] for name in pair.satellites}))
-    points = solve_points(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG), epochs=pair.epoch)
-    master_ecef, rover_ecef = master_ecef[pair.epoch_master], _positions(points)
+    found = solve_positions(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG), epochs=pair.epoch)
+    master_ecef, rover_ecef = master_ecef[pair.epoch_master], _without_gaps(found)
     path = _motion(settings, static)(pair.time, rover_ecef - master_ecef)
     mask = np.radians(settings.mask_deg)
     model = build_model(pair, master_ecef, rover_ecef, ephemerides, mask, settings.noise, path.forgets)
@@ -198,14 +198,14 @@ def _solve(master, rover, master_ecef, ephemerides, static, settings, progress):
     return _relative(rover.time, pair.epoch, master_ecef, outcome, status, factor, solution.satellites)
 
 
-def _positions(points):
-    """Return the single-point positions (T, 3), missing epochs taken from the nearest solved one before, else from the first one."""
-    solved = np.isfinite(points.position_ecef[:, 0])
+def _without_gaps(found):
+    """Return single-point positions (T, 3), missing epochs taken from the nearest solved one before, else from the first one."""
+    solved = np.isfinite(found.position_ecef[:, 0])
     if not solved.any():
-        raise ValueError(f"no position at any epoch: {points.main_reason()}")
+        raise ValueError(f"no position at any epoch: {found.main_reason()}")
     source = np.maximum.accumulate(np.where(solved, np.arange(len(solved)), -1))
     source[source < 0] = np.argmax(solved)
-    return points.position_ecef[source]
+    return found.position_ecef[source]
 
 
 def _judged(solution, acceptance):

@@ -72,6 +72,16 @@ def ages(usable, slip):
     return count - before_start
 
 
+def row_medians(values):
+    """Return the median (T,) of the numbers in each row (T, c), NaN where there is none: np.nanmedian takes ten times as long on short rows.
+
+    >>> row_medians(np.array([[3.0, np.nan, 1.0, 9.0], [np.nan] * 4])).tolist()
+    [3.0, nan]
+    """
+    ordered, count, row = np.sort(values, axis=1), (~np.isnan(values)).sum(axis=1), np.arange(len(values))  # NaN comes last
+    return (ordered[row, (count - 1) // 2] + ordered[row, count // 2]) / 2
+
+
 def _last_usable(usable):
     """Return (T, c) int: index of the usable epoch before each epoch, -1 where there is none."""
     index = np.where(usable, np.arange(len(usable))[:, None], -1)
@@ -128,8 +138,6 @@ def _doppler_jumps(tracks, time, wavelength, last):
     excess = _step(tracks.phase, last) + mean_doppler * seconds
     excess[seconds > _LONGEST_DOPPLER_STEP] = np.nan
     frequency = SPEED_OF_LIGHT / wavelength + mean_doppler
-    some = np.isfinite(excess).any(axis=1)
-    jump = np.zeros((len(excess), 1))
-    jump[some, 0] = np.nanmedian((excess / frequency)[some], axis=1)
+    jump = row_medians(excess / frequency)[:, None]
     with np.errstate(invalid="ignore"):
         return np.abs(excess - jump * frequency) > _DOPPLER_JUMP

@@ -14,7 +14,7 @@ from gnsslab.gnss.ephemerides import ARRAY_FIELDS, Ephemerides
 from gnsslab.gnss.frames import ecef_from_geodetic, enu_rotation, geodetic_from_ecef
 from gnsslab.gnss.observations import ObservationHeader, Observations, SystemTable
 from gnsslab.gnss.orbits import EARTH_RATE_WGS84, rotate_to_reception, satellite_states
-from gnsslab.gnss.points import PointStatus, dilution_of_precision, solve_points
+from gnsslab.gnss.points import PointStatus, dilution_of_precision, solve_points, solve_positions
 from gnsslab.gnss.rinex import read_rinex_nav, read_rinex_obs
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, frequency
 from gnsslab.gnss.times import add_seconds
@@ -193,6 +193,16 @@ def test_many_epochs_are_solved_in_parts_without_a_seam(sky):
     points = solve_points(long, sky)
     assert points.is_solved.all()
     assert np.abs(points.position_ecef - NAGOYA).max() < 0.5 * mm
+
+
+def test_positions_alone_are_those_of_the_points(sky):
+    long = made_observations(sky, NAGOYA, T=600, step=1.0, systems="GE")
+    broken = with_code(long, "G", lambda code, epoch, number: np.where(epoch % 7 == 0, code + 1e4 * number, code))
+    for observations in (long, broken):
+        points, found = solve_points(observations, sky, systems="G"), solve_positions(observations, sky, systems="G")
+        np.testing.assert_array_equal(found.position_ecef, points.position_ecef)
+        assert (found.reason == points.reason).all()
+        assert found.main_reason() == points.main_reason()
 
 
 def test_a_system_without_satellites_at_an_epoch_drops_out_of_it(sky, observations):

@@ -8,7 +8,7 @@ from small_observations import receiver, short_preset, with_flag
 
 from gnsslab.gnss.differences import pair_receivers
 from gnsslab.gnss.observations import HALF_CYCLE, SLIP
-from gnsslab.gnss.screening import LONGEST_GAP, SHADOW_LOSS, cycle_slips, has_half_cycle, is_shadowed
+from gnsslab.gnss.screening import LONGEST_GAP, SHADOW_LOSS, cycle_slips, has_half_cycle, is_shadowed, row_medians
 from gnsslab.gnss.selection import keep_epochs
 from gnsslab.simulate import LOW_COST, Clock, Gap, GrossError, HalfCycle, Outage, Slip, Turntable, observe, prepare_geometry
 
@@ -174,3 +174,11 @@ def test_without_strengths_there_is_no_shadow(rng):
     pair, _ = simulated_pair(rng)
     silent = replace(pair, rover=replace(pair.rover, cn0=np.full_like(pair.rover.cn0, np.nan)))
     assert not is_shadowed(silent).any()
+
+
+@pytest.mark.parametrize("channels", [1, 4, 7])
+def test_row_medians_are_numpys(rng, channels):
+    values = np.where(rng.random((50, channels)) < 0.3, np.nan, rng.standard_normal((50, channels)))
+    some = np.isfinite(values).any(axis=1)
+    np.testing.assert_array_equal(row_medians(values)[some], np.nanmedian(values[some], axis=1))
+    assert np.isnan(row_medians(values)[~some]).all()
