@@ -93,6 +93,13 @@ def _(choose, lesson, prediction, signal):
 
 
 @app.cell(hide_code=True)
+def _(controls, signal, steering):
+    result = signal.run(steering.value, controls.value)
+    signal.view(result)
+    return (result,)
+
+
+@app.cell(hide_code=True)
 def _(chosen, lesson, prediction, signal):
     lesson.wait(prediction)
     steering = signal.steering(chosen())
@@ -104,13 +111,6 @@ def _(chosen, signal, steering):
     controls = signal.controls(steering.value, chosen())
     signal.panel(steering, controls)
     return (controls,)
-
-
-@app.cell(hide_code=True)
-def _(controls, signal, steering):
-    result = signal.run(steering.value, controls.value)
-    signal.view(result)
-    return (result,)
 
 
 @app.cell(hide_code=True)
@@ -180,6 +180,13 @@ def _(choose_sky, lesson, prediction, sky):
 
 
 @app.cell(hide_code=True)
+def _(controls_sky, sky, steering_sky):
+    result_sky = sky.run(steering_sky.value, controls_sky.value)
+    sky.view(result_sky)
+    return (result_sky,)
+
+
+@app.cell(hide_code=True)
 def _(chosen_sky, lesson, prediction, sky):
     lesson.wait(prediction)
     steering_sky = sky.steering(chosen_sky())
@@ -191,13 +198,6 @@ def _(chosen_sky, sky, steering_sky):
     controls_sky = sky.controls(steering_sky.value, chosen_sky())
     sky.panel(steering_sky, controls_sky)
     return (controls_sky,)
-
-
-@app.cell(hide_code=True)
-def _(controls_sky, sky, steering_sky):
-    result_sky = sky.run(steering_sky.value, controls_sky.value)
-    sky.view(result_sky)
-    return (result_sky,)
 
 
 @app.cell(hide_code=True)
