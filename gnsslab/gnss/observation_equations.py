@@ -40,15 +40,3 @@ def carrier_range(terms):
     20000241.0
     """
     return terms.rho + terms.clock_receiver - terms.clock_satellite + terms.troposphere - terms.ionosphere
-
-
-def carrier_range_as_printed(terms):
-    """Return Phi + lambda N as equation (1) of Li et al. (2021) prints it: rho - c dt_r + c dt^s - I - T.
-
-    The paper calls the terms clock errors and delays. With that meaning both clocks and the troposphere have the wrong sign;
-    double differences cancel most of it, which is why it did no harm there.
-
-    >>> carrier_range_as_printed(RangeTerms(20e6, 300.0, 60.0, 4.0, 3.0))
-    19999753.0
-    """
-    return terms.rho - terms.clock_receiver + terms.clock_satellite - terms.ionosphere - terms.troposphere

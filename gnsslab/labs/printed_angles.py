@@ -8,7 +8,7 @@ from gnsslab.core.rotations import heading_pitch_of, rotation_from_heading_pitch
 from gnsslab.labs.controls import Choice, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.systems.dual_antenna import angle_sigmas
-from gnsslab.systems.dual_antenna_printed import heading_as_printed, pitch_as_printed, sigma_heading_as_printed, sigma_pitch_as_printed
+from gnsslab.systems.printed_attitude import heading_as_printed, pitch_as_printed, sigma_heading_as_printed, sigma_pitch_as_printed
 
 MM = 1e-3  # [m]
 POINTS = 2000  # of each curve, and drawn beams: a sigma counted from so many is good to 1.6 %

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from gnsslab.data import DataUnavailable
-from gnsslab.gnss.observation_equations import carrier_range, carrier_range_as_printed
+from gnsslab.gnss.observation_equations import carrier_range
 from gnsslab.gnss.screening import cycle_slips
 from gnsslab.gnss.times import seconds_between
 from gnsslab.gnss.weighting import NoiseModel, sigma_phase
@@ -15,6 +15,7 @@ from gnsslab.labs.controls import Choice, FileOrPath, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.labs.recordings import read_recording, shown_epochs, simulated_recording, with_slip
 from gnsslab.simulate import Clock, Noise, Static, find_preset, prepare_geometry
+from gnsslab.systems.printed_ranges import carrier_range_as_printed
 
 KEPT = 12  # simulations and geometries kept by one lab: three clocks and three ionospheres go through nine
 MM = 1e-3  # [m]

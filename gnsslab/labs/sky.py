@@ -18,6 +18,7 @@ from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.simulate import Noise, Static, find_preset, prepare_geometry
 from gnsslab.simulate.measurements import measure
 from gnsslab.simulate.recording import record
+from gnsslab.systems.printed_ranges import sigma_code_as_printed
 
 KEPT = 16  # skies kept by one lab
 LONGITUDE = 135.0  # [deg], nine hours east of Greenwich to the minute
@@ -41,12 +42,7 @@ def flat_sigma(elevation):
     return np.full(np.shape(elevation), 3.0)
 
 
-def flat_sigma_as_printed(elevation):
-    """Return the sigma of a code [m] as the same paper prints it for its Motorola receivers: 3 cm, a slip of the unit."""
-    return np.full(np.shape(elevation), 0.03)
-
-
-SIGMAS = {"law": engine_sigma, "flat": flat_sigma, "printed": flat_sigma_as_printed}
+SIGMAS = {"law": engine_sigma, "flat": flat_sigma, "printed": sigma_code_as_printed}
 
 CONTROLS = (
     Choice(

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gnsslab.gnss.observation_equations import RangeTerms, carrier_range, carrier_range_as_printed, code_range
+from gnsslab.gnss.observation_equations import RangeTerms, carrier_range, code_range
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, wavelength
 from gnsslab.labs.signal import signal_lab
 from gnsslab.simulate import NO_NOISE, Clock, find_preset, prepare_geometry
 from gnsslab.simulate.measurements import measure
 from gnsslab.simulate.receivers import multipath_factor, white_factor
+from gnsslab.systems.printed_ranges import carrier_range_as_printed
 from gnsslab.teaching.exercises.lesson_01 import PREDICTION, QUESTIONS
 
 ASKED = {question.name: question for question in QUESTIONS}

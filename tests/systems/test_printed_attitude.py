@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from gnsslab.core.rotations import heading_pitch_of, rotation_from_heading_pitch_roll
 from gnsslab.systems.dual_antenna import angle_sigmas
-from gnsslab.systems.dual_antenna_printed import heading_as_printed, pitch_as_printed, sigma_heading_as_printed, sigma_pitch_as_printed
+from gnsslab.systems.printed_attitude import heading_as_printed, pitch_as_printed, sigma_heading_as_printed, sigma_pitch_as_printed
 
 MM = 1e-3  # [m]
 DEG = np.pi / 180
