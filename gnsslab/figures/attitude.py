@@ -42,15 +42,17 @@ def build_angles(figure):
     heading = AnglePanel(heading_axes, "heading [deg]", (0, 360))
     pitch = AnglePanel(pitch_axes, "pitch [deg]", (-90, 90))
     heading_axes.tick_params(labelbottom=False)
-    _legend(figure, heading)
 
     def show(result):
         attitude, truth = result
+        shown = _shown(attitude, truth)
+        _legend(figure, heading, shown)
         seconds = seconds_between(attitude.time, attitude.time[0]) if len(attitude.time) else np.zeros(0)
         label = f"seconds since {_clock(attitude.time)} (GPS time)"
         pitch_axes.set_xlabel(label)
         return (
             label,
+            shown,
             heading.show(seconds, attitude.heading, attitude.sigma_heading, attitude.status, truth and truth.heading),
             pitch.show(seconds, attitude.pitch, attitude.sigma_pitch, attitude.status, truth and truth.pitch),
         )
@@ -118,10 +120,12 @@ def build_compass(figure):
     (tip,) = axes.plot([], [], linestyle="", markersize=13, color="#B03000")
     dots = {kind: axes.plot([], [], linestyle="", **STATUS_STYLE[kind])[0] for kind in (FLOAT, FIXED)}
     (master,) = axes.plot([0], [0], "s", color=TRUTH_COLOR, markersize=6)
+    outside = axes.text(0, -1.27, "", fontsize=8, color="#666666", ha="center", va="bottom")
 
     def show(result):
         attitude, known = result
         radius = _radius(attitude)
+        outside.set_text(_outside(attitude, radius))
         for kind, marks in dots.items():
             marks.set_data(*_plan(attitude.baseline_enu[attitude.status == kind], radius))
         end = _typical(attitude) / radius
@@ -133,7 +137,7 @@ def build_compass(figure):
             ring.set_text(f"{fraction * radius:g} m")
         return radius
 
-    return Scene((truth, dots[FLOAT], needle, tip, dots[FIXED], master), show)
+    return Scene((truth, dots[FLOAT], needle, tip, dots[FIXED], master, outside), show)
 
 
 def describe_attitude(attitude, truth=None):
@@ -158,11 +162,19 @@ def describe_attitude(attitude, truth=None):
     return text if truth is None else text + f" Truth: {np.degrees(np.ravel(truth.heading)[0]) % 360:.1f} degrees."
 
 
-def _legend(figure, panel):
-    """Put the legend in one row above the panels."""
-    handles = [panel.dots[FIXED], panel.dots[FLOAT], panel.dots[NONE], panel.band, panel.truth]
+def _shown(attitude, truth):
+    """Return the labels of what there is to see, most trusted first."""
+    statuses = [STATUS_STYLE[kind]["label"] for kind in (FIXED, FLOAT, NONE) if (attitude.status == kind).any()]
+    return (*statuses, *(["1 sigma"] if np.isfinite(attitude.heading).any() else []), *(["truth"] if truth is not None else []))
+
+
+def _legend(figure, panel, shown):
+    """Put the legend in one row above the panels: what is shown, and nothing else."""
+    handles = {handle.get_label(): handle for handle in panel.moving}
+    for old in list(figure.legends):
+        old.remove()
     figure.legend(
-        handles=handles, loc="upper right", ncols=5, bbox_to_anchor=(0.99, 1.0), fontsize=9,
+        handles=[handles[label] for label in shown], loc="upper right", ncols=5, bbox_to_anchor=(0.99, 1.0), fontsize=9,
         handletextpad=0.3, columnspacing=1.0, handlelength=1.4,
     )  # fmt: skip
 
@@ -232,6 +244,12 @@ def _plan(baseline_enu, radius):
     east, north = baseline_enu[:, :2].T / radius
     inside = np.hypot(east, north) <= 1.0
     return east[inside], north[inside]
+
+
+def _outside(attitude, radius):
+    """Return how many epochs lie beyond the card, in words; nothing where all are on it."""
+    beyond = int(np.sum(np.hypot(*attitude.baseline_enu[:, :2].T) > radius))
+    return f"{beyond} more lie further out" if beyond else ""
 
 
 def _direction(truth):

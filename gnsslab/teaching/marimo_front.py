@@ -12,6 +12,7 @@ north.view(result)
 """
 
 from html import escape
+from itertools import zip_longest
 
 import marimo as mo
 
@@ -25,6 +26,7 @@ from gnsslab.teaching.saving import MIME_TYPES, link_of, saved
 from gnsslab.teaching.visitor import is_class, progress_of
 
 RADIO_AT_MOST = 3  # options that stand side by side; more go into a list
+KEYS = "1234567890"  # press the presets in front of a class
 CLOSED = "*Choose an answer above to open the lab.*"
 
 
@@ -163,7 +165,7 @@ class LabFront:
         names = [preset.name for preset in self.lab.presets]
         shown = "".join(
             f'<span class="gl-preset" data-preset="{name}" data-key="{key}">{button.text}</span>'
-            for key, (name, button) in enumerate(zip(names, buttons, strict=True), 1)
+            for key, name, button in zip_longest(KEYS[: len(names)], names, buttons, fillvalue="")
         )
         notes = "".join(f'<p class="gl-note">{escape(problem)}</p>' for problem in self.notes)
         return self._staged(f'<style>{"".join(map(_mark_of_pressed, names))}</style>{notes}<div class="gl-presets">{shown}</div>')
