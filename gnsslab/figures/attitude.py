@@ -175,7 +175,7 @@ def _legend(figure, panel, shown):
         old.remove()
     figure.legend(
         handles=[handles[label] for label in shown], loc="upper right", ncols=5, bbox_to_anchor=(0.99, 1.0), fontsize=9,
-        handletextpad=0.3, columnspacing=1.0, handlelength=1.4,
+        handletextpad=0.3, columnspacing=1.0, handlelength=1.4, frameon=False,
     )  # fmt: skip
 
 
