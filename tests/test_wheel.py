@@ -64,6 +64,8 @@ def test_the_wheel_is_small_and_holds_what_travels(wheel):
     assert "gnsslab/share/datasets/cssrlib-078/SEPT078M.21P.gz" in names
     assert "gnsslab/share/lessons/pyproject.toml" in names
     assert any(name.startswith("gnsslab/share/lessons/00_") for name in names)
+    assert {f"gnsslab/share/lessons/jupyter/{path.name}" for path in (PROJECT / "lessons" / "jupyter").glob("*.ipynb")} <= set(names)
+    assert "gnsslab/teaching/jupyterlab/overrides.json" in names
     assert not any(name.startswith("tests/") or "__pycache__" in name or "__marimo__" in name for name in names)
     assert wheel.stat().st_size < 1_000_000
 

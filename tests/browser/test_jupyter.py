@@ -1,6 +1,7 @@
 """A lesson in a real JupyterLab, started as a student starts it."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -82,21 +83,26 @@ def _run_all(page):
 def _opened(page):
     """Predict, and wait for the lab."""
     page.get_by_role("radio", name="to about 2 degrees").check()
-    page.locator(".gl-readouts").wait_for(timeout=PATIENCE)
+    _north(page).locator(".gl-readouts").wait_for(timeout=PATIENCE)
     return page
 
 
+def _north(page):
+    """Return the first lab of the lesson."""
+    return page.locator(".gl-lab").first
+
+
 def _readouts(page):
-    return page.locator(".gl-readouts").inner_text()
+    return _north(page).locator(".gl-readouts").inner_text()
 
 
 def _changed(page, before):
-    page.wait_for_function("before => document.querySelector('.gl-readouts')?.innerText !== before", arg=before, timeout=PATIENCE)
+    page.wait_for_function("before => document.querySelector('.gl-lab .gl-readouts')?.innerText !== before", arg=before, timeout=PATIENCE)
     return _readouts(page)
 
 
 def _slider(page, label):
-    return page.locator(".gl-control", has_text=label).get_by_role("slider")
+    return _north(page).locator(".gl-control", has_text=label).get_by_role("slider")
 
 
 def test_a_lesson_from_the_first_cell_to_an_answer(lesson, started):
@@ -115,9 +121,27 @@ def test_a_lesson_from_the_first_cell_to_an_answer(lesson, started):
     answer.press_sequentially("-60.26")
     answer.press("Enter")
     page.get_by_text("Not yet.", exact=False).last.wait_for(timeout=PATIENCE)
-    page.get_by_role("button", name="Save this").click()
+    _north(page).get_by_role("button", name="Save this").click()
     page.get_by_text("Saved north.png, north.svg, north.csv").wait_for(timeout=PATIENCE)
     assert (started[1] / "gnsslab-course" / "north.csv").is_file()
+
+
+def test_own_files_by_upload(lesson, tmp_path):
+    import numpy as np
+
+    from gnsslab.simulate import find_preset, simulate, write_simulation
+
+    write_simulation(tmp_path, simulate(find_preset("static-baseline"), np.random.default_rng(3)))
+    page = _opened(lesson())
+    _north(page).get_by_role("radio", name="my files").check()
+    page.get_by_text("your master, rover and navigation files are missing").wait_for(timeout=PATIENCE)
+    for number, name in enumerate(("master.obs", "rover.obs", "broadcast.nav")):
+        with page.expect_file_chooser() as chooser:
+            _north(page).get_by_role("button", name="Upload it").nth(number).click()
+        chooser.value.set_files(tmp_path / name)
+        page.get_by_text(f"{name} is kept").wait_for(timeout=PATIENCE)
+    _north(page).locator(".gl-readouts").wait_for(timeout=PATIENCE)
+    assert re.search(r"Length\s+1\.1[67]\d\s+m", _readouts(page)), "the simulated beam is 1.167 m long"
 
 
 def test_formulas_and_folded_text_are_rendered(lesson):
@@ -138,7 +162,7 @@ def test_the_theme_follows_the_system_and_the_lab_fits(lesson, scheme, width, tm
     assert page.locator("body").get_attribute("data-jp-theme-light") == ("true" if scheme == "light" else "false")
     page.keyboard.press("Control+b")  # puts the list of files away, which leaves a phone no room
     page.wait_for_function("document.querySelector('.gl-lab').clientWidth > 200")
-    lab = page.locator(".gl-lab").first
+    lab = _north(page)
     lab.scroll_into_view_if_needed()
     assert lab.evaluate("e => e.scrollWidth <= e.clientWidth + 1"), "nothing in the lab is wider than the lab"
     page.screenshot(path=tmp_path / f"jupyter-{scheme}-{width}.png")
