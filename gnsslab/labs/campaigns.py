@@ -49,9 +49,18 @@ def simulated_instead(reason):
     """Return the note of a lab that has no real data, with the reason.
 
     >>> simulated_instead("there is no network")
-    'No real data here, so this is simulated: there is no network'
+    'No real data here, so this is simulated: there is no network.'
     """
-    return f"No real data here, so this is simulated: {reason}"
+    return f"No real data here, so this is simulated: {reason}."
+
+
+def no_answer(refusal):
+    """Return the problem of a lab whose files or engine refused, with the reason.
+
+    >>> no_answer(ValueError("your rover file is missing: upload it, or type its path"))
+    'No answer: your rover file is missing: upload it, or type its path.'
+    """
+    return f"No answer: {refusal}."
 
 
 def blocked_by_data(data, simulation_only, files):

@@ -10,7 +10,7 @@ from gnsslab.gnss.frames import azimuth_elevation, enu_rotation
 from gnsslab.gnss.orbits import group_delay
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, wavelength
 from gnsslab.gnss.times import seconds_between
-from gnsslab.labs.campaigns import FileReader, require_files
+from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.labs.levels import grain, levels_of, traced_by_code, traced_by_tags
@@ -133,7 +133,7 @@ class CancellingEngine:
             residuals, note = self._residuals(settings)
             return _compare(settings, residuals, note)
         except ValueError as refusal:
-            return CancellingResult(settings, problem=f"No answer: {refusal}.")
+            return CancellingResult(settings, problem=no_answer(refusal))
 
     def _residuals(self, settings):
         """Return the Residuals chosen, and a note where they had to be others."""
@@ -143,7 +143,7 @@ class CancellingEngine:
             try:
                 return _measured(self._pair(*self._files.data_set(REAL_DATA)), settings), ""
             except DataUnavailable as reason:
-                return self._simulated(settings), f"No real data here, so this is simulated: {reason}"
+                return self._simulated(settings), simulated_instead(reason)
         return self._simulated(settings), ""
 
     def _mine(self, settings):
@@ -300,13 +300,10 @@ def cancelling_lab():
 
 
 def blocked(settings):
-    """Return for each control without effect on the chosen data the reason why."""
-    reasons = {} if settings["data"] == "mine" else dict.fromkeys(FILES, 'choose "my files" first')
-    if settings["data"] != "simulated":
-        return reasons | dict.fromkeys(SIMULATION_ONLY, "no effect: real data are as they are")
-    if not settings["clocks"]:
-        reasons |= dict.fromkeys(("rover_clock", "transmission"), "no effect: all clocks are perfect")
-    return reasons
+    """Return for each control without effect on the chosen data, or with the chosen clocks, the reason why."""
+    is_perfect = settings["data"] == "simulated" and not settings["clocks"]
+    by_clocks = dict.fromkeys(("rover_clock", "transmission"), "no effect: all clocks are perfect") if is_perfect else {}
+    return blocked_by_data(settings["data"], SIMULATION_ONLY, FILES) | by_clocks
 
 
 def figure(result):

@@ -12,7 +12,7 @@ from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.modelling import build_model
 from gnsslab.gnss.signals import wavelength
 from gnsslab.gnss.weighting import NoiseModel
-from gnsslab.labs.campaigns import FileReader, require_files
+from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.labs.single_epochs import SingleDifferences, fixed_baselines, sampled_covariance, solve_each_epoch
@@ -125,7 +125,7 @@ class CorrelationEngine:
         try:
             return _solve(settings, self._case(settings))
         except ValueError as refusal:
-            return CorrelationResult(settings, problem=f"No answer: {refusal}.")
+            return CorrelationResult(settings, problem=no_answer(refusal))
 
     def _case(self, settings):
         """Return the Case chosen, with a note where it had to be another."""
@@ -135,7 +135,7 @@ class CorrelationEngine:
             try:
                 return _from_model(self._model(*self._files.data_set(REAL_DATA)), settings)
             except DataUnavailable as reason:
-                return _simulate(settings)._replace(note=f"No real data here, so this is simulated: {reason}")
+                return _simulate(settings)._replace(note=simulated_instead(reason))
         return _simulate(settings)
 
     def _mine(self, settings):
@@ -265,10 +265,7 @@ def correlation_lab():
 
 def blocked(settings):
     """Return for each control without effect on the chosen data the reason why."""
-    reasons = {} if settings["data"] == "mine" else dict.fromkeys(FILES, 'choose "my files" first')
-    if settings["data"] != "simulated":
-        reasons |= dict.fromkeys(SIMULATION_ONLY, "no effect: real data are as they are")
-    return reasons
+    return blocked_by_data(settings["data"], SIMULATION_ONLY, FILES)
 
 
 def figure(result):

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from gnsslab.data import DataUnavailable
-from gnsslab.labs.campaigns import FileReader, require_files
+from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.simulate import draw, find_preset, idealise, observe_drawn, prepare_geometry, with_length
@@ -113,7 +113,7 @@ class NorthEngine:
             campaign, note = self._campaign(settings)
             return NorthResult(settings, _attitude(campaign, settings), campaign.truth, note=note)
         except ValueError as refusal:
-            return NorthResult(settings, problem=f"No answer: {refusal}")
+            return NorthResult(settings, problem=no_answer(refusal))
 
     def _campaign(self, settings):
         """Return the campaign chosen, and a note where it had to be another."""
@@ -123,7 +123,7 @@ class NorthEngine:
             try:
                 return self._real(), ""
             except DataUnavailable as reason:
-                return self._simulation(settings), f"No real data here, so this is simulated: {reason}"
+                return self._simulation(settings), simulated_instead(reason)
         return self._simulation(settings), ""
 
     def _simulation(self, settings):
@@ -207,14 +207,8 @@ def north_lab():
 
 def blocked(settings):
     """Return for each control without effect on the chosen data the reason why."""
-    reasons = {}
-    if settings["data"] != "simulated":
-        reasons |= dict.fromkeys(SIMULATION_ONLY, "no effect: real data are as they are")
-    if settings["data"] == "mine":
-        reasons["known_length"] = "the length of your baseline is not known here"
-    else:
-        reasons |= dict.fromkeys(FILES, 'choose "my files" first')
-    return reasons
+    unknown = {"known_length": "the length of your baseline is not known here"} if settings["data"] == "mine" else {}
+    return blocked_by_data(settings["data"], SIMULATION_ONLY, FILES) | unknown
 
 
 def figure(result):

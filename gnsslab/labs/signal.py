@@ -10,7 +10,7 @@ from gnsslab.gnss.observation_equations import carrier_range
 from gnsslab.gnss.screening import cycle_slips
 from gnsslab.gnss.times import seconds_between
 from gnsslab.gnss.weighting import NoiseModel, sigma_phase
-from gnsslab.labs.campaigns import FileReader, blocked_by_data, require_files, simulated_instead
+from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.labs.recordings import read_recording, shown_epochs, simulated_recording, with_slip
@@ -132,7 +132,7 @@ class SignalEngine:
             recording, note = self._recording(settings)
             return SignalResult(settings, _track(recording, settings), note=note)
         except ValueError as refusal:
-            return SignalResult(settings, problem=f"No answer: {refusal}")
+            return SignalResult(settings, problem=no_answer(refusal))
 
     def _recording(self, settings):
         """Return the recording chosen, and a note where it had to be another."""

@@ -12,7 +12,7 @@ from gnsslab.gnss.points import solve_points
 from gnsslab.gnss.signals import USED_SYSTEMS, wavelength
 from gnsslab.gnss.times import add_seconds
 from gnsslab.gnss.weighting import TYPICAL_CN0, NoiseModel, sigma_code
-from gnsslab.labs.campaigns import FileReader, blocked_by_data, require_files, simulated_instead
+from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
 from gnsslab.simulate import Noise, Static, find_preset, prepare_geometry
@@ -150,7 +150,7 @@ class SkyEngine:
             site, note = self._site(settings)
             return SkyResult(settings, _view(site, settings), note=note)
         except ValueError as refusal:
-            return SkyResult(settings, problem=f"No answer: {refusal}")
+            return SkyResult(settings, problem=no_answer(refusal))
 
     def _site(self, settings):
         """Return the site chosen, and a note where it had to be another."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gnsslab.labs import campaigns
-from gnsslab.labs.campaigns import FileReader, require_files
+from gnsslab.labs.campaigns import FileReader, blocked_by_data, require_files
 from gnsslab.simulate import find_preset, simulate, write_simulation
 
 
@@ -70,3 +70,11 @@ def test_missing_files_are_named(paths, words):
 
 def test_nothing_missing_is_no_error():
     assert require_files(observations="a.obs", navigation="b.nav") is None
+
+
+@pytest.mark.parametrize(
+    ("data", "blocked"),
+    [("simulated", {"rover_file"}), ("real", {"seed", "rover_file"}), ("mine", {"seed"})],
+)
+def test_controls_without_effect_on_the_data_are_named(data, blocked):
+    assert set(blocked_by_data(data, ("seed",), ("rover_file",))) == blocked
