@@ -1,11 +1,14 @@
 """A lesson in a real JupyterLab, started as a student starts it."""
 
+import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
+from urllib.request import urlopen
 
 import pytest
 
@@ -169,10 +172,23 @@ def test_the_theme_follows_the_system_and_the_lab_fits(lesson, scheme, width, tm
 
 
 def test_ctrl_c_ends_it_with_its_kernels(started):
-    process, _, _ = started
+    process, _, address = started
+    _await_idle(address)  # a kernel that is ended within a cell says so itself
     process.send_signal(signal.SIGINT)
     said, _ = process.communicate(timeout=30)
     assert process.returncode == 0
     assert said.rstrip().endswith("stopped")
-    assert "Traceback" not in said
+    assert "Traceback" not in said, said
     assert "Parent appears to have exited" not in said
+
+
+def _await_idle(address):
+    """Wait until no kernel works on a cell."""
+    own, token = address.split("/lab")[0], address.split("token=")[1]
+    deadline = time.monotonic() + PATIENCE / 1000
+    while time.monotonic() < deadline:
+        with urlopen(f"{own}/api/kernels?token={token}", timeout=30) as answer:
+            if all(kernel["execution_state"] == "idle" for kernel in json.load(answer)):
+                return
+        time.sleep(0.2)
+    pytest.fail("a kernel is still busy")
