@@ -85,4 +85,4 @@ def _say_class(token, folder, workers, say):
     if workers > 1:
         say(f"{workers} worker processes serve it")
     elif not can_hand_over():
-        say("one process serves it: this system cannot share a class among several (about ten students)")
+        say("one process serves it: this system cannot share a class among several")

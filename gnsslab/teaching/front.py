@@ -140,7 +140,7 @@ class Front:
         if self._early_ends >= EARLY_ENDS:
             self._given_up.set_exception(ValueError(f"worker {number + 1} ended at once, again and again: see above why, or try --workers 1"))
             return
-        self.say(f"worker {number + 1} ended by itself (exit status {status}) and is started again; its students reload their page")
+        self.say(f"worker {number + 1} ended by itself (exit status {status}) and is started again; the lessons of its students begin anew")
         self.workers[number] = Worker(worker.orders)
         self._watch(self.workers[number])
 
