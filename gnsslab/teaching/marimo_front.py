@@ -117,7 +117,7 @@ class LessonFront:
         has_tried = verdict.is_number or hints == len(question.hints)
         if verdict.is_number:
             self.progress.record(self.lesson.number, name, "question", given["answer"], verdict.is_right, hints, given["solution"] > 0)
-        said = markup.verdict(verdict.is_right, mo.md(verdict.words).text) if given["answer"].strip() else ""
+        said = markup.verdict(verdict.is_right, _words_of(verdict)) if given["answer"].strip() else ""
         told = "".join(_told(f"Hint {k}", hint) for k, hint in enumerate(question.hints[:hints], 1))
         if given["solution"]:
             told += _told("Solution", question.solution) if has_tried else _told("Solution", "Try once, or take both hints; then it opens.")
@@ -134,8 +134,13 @@ class LessonFront:
 
     def _stage_style(self):
         """Return the rules that leave only the stage on the page, while the lesson is presented."""
-        shown = self._query.get("lab", next((name for name, lab in self._labs.items() if preset_of(lab, self._query)), next(iter(self._labs))))
-        return markup.present_style(shown) if self.is_presented else ""
+        return markup.present_style(self._lab_shown()) if self.is_presented else ""
+
+    def _lab_shown(self):
+        """Return the name of the lab that the link asks for, by name or by preset; the first where this lesson does not have it."""
+        asked = [name for name in self._labs if name == self._query.get("lab")]
+        by_preset = [name for name, lab in self._labs.items() if preset_of(lab, self._query)]
+        return next(iter([*asked, *by_preset, *self._labs]))
 
     def _stage_head(self):
         return markup.present_head(self.lesson, self._labs) if self.is_presented else ""
@@ -261,9 +266,6 @@ class LabFront:
         typed = "" if is_class() else value["path"].strip()
         return self.desk.given_file(name, typed, upload and (upload.name, upload.contents))
 
-    def _download(self, kind):
-        return mo.download(lambda: self._saved(kind), f"{self.lab.name}.{kind}", MIME_TYPES[kind], label=kind.upper())
-
     def _saved(self, kind):
         if self.desk.result is None or self.desk.result.problem:
             return b"There is no picture at the present controls, so there is nothing to save.\n"
@@ -272,6 +274,11 @@ class LabFront:
 
 def _counter(label):
     return mo.ui.button(value=0, on_click=lambda n: n + 1, label=label)
+
+
+def _words_of(verdict):
+    """Return the words of a verdict as HTML; those on what is no number repeat what was typed, in which nothing is markup."""
+    return mo.md(verdict.words).text if verdict.is_number else escape(verdict.words)
 
 
 def _told(title, text):
