@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 from gnsslab.labs.controls import FileOrPath
 
+NAME_AT_MOST = 60  # characters: four bytes each are still less than the 255 that a disk allows
+
 
 class Upload(NamedTuple):
     """A file that a student gave."""
@@ -95,8 +97,9 @@ class Desk:
         known = self._uploads.get(name)
         if known is None or known.contents is not contents:
             folder = self._own_folder() / name
-            folder.mkdir(exist_ok=True)
-            path = folder / (Path(filename).name or "file")
+            shutil.rmtree(folder, ignore_errors=True)  # a desk keeps one upload for each control
+            folder.mkdir()
+            path = folder / _plain_name(filename)
             path.write_bytes(contents)
             self._uploads[name] = Upload(str(path), contents)
         return self._uploads[name].path
@@ -106,3 +109,13 @@ class Desk:
             self._folder = tempfile.mkdtemp(prefix="gnsslab-")
             weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
         return Path(self._folder)
+
+
+def _plain_name(filename):
+    """Return the name of an upload as that of a file in its own folder: no way out of it, and not too long for a disk.
+
+    >>> _plain_name("../../rover.24o"), _plain_name("..")
+    ('rover.24o', 'file')
+    """
+    name = Path(filename.replace("\0", "")).name
+    return "file" if name in ("", "..") else name[-NAME_AT_MOST:]

@@ -75,10 +75,22 @@ def test_a_second_upload_of_the_same_name_is_read_anew(desk):
     assert Path(second).read_bytes() == b"two"
 
 
-def test_an_upload_cannot_leave_its_folder(desk):
-    path = Path(desk.given_file("file", "", ("../../evil.obs", b"x")))
-    assert path.name == "evil.obs"
+@pytest.mark.parametrize(
+    ("filename", "kept"),
+    [("../../evil.obs", "evil.obs"), ("..", "file"), ("", "file"), ("a\0.obs", "a.obs"), ("站" * 300 + ".obs", "站" * 56 + ".obs")],
+)
+def test_an_upload_cannot_leave_its_folder(desk, filename, kept):
+    path = Path(desk.given_file("file", "", (filename, b"x")))
+    assert path.name == kept
     assert path.parent.name == "file"
+    assert path.read_bytes() == b"x"
+
+
+def test_a_desk_keeps_one_upload_for_each_control(desk):
+    first = Path(desk.given_file("file", "", ("one.obs", b"one")))
+    second = Path(desk.given_file("file", "", ("two.obs", b"two")))
+    assert not first.exists()
+    assert second.read_bytes() == b"two"
 
 
 def test_problems_name_an_upload_as_the_student_does(desk):
