@@ -95,17 +95,28 @@ def _process(cells, end):
 
 
 def _messages_of(process):
-    """Return a queue that a thread fills with the messages of a process, None at their end."""
+    """Return a queue that a thread fills with the messages of a process, None at their end or before one that is none of ours."""
     messages = queue.Queue()
 
     def listen():
-        with process.stdout, suppress(ValueError):  # a line cut short
+        with process.stdout, suppress(ValueError, RecursionError):  # a line cut short, or written by a cell
             for line in process.stdout:
-                messages.put(json.loads(line))
+                messages.put(_message(line))
         messages.put(None)
 
     threading.Thread(target=listen, daemon=True).start()
     return messages
+
+
+def _message(line):
+    """Return a message of `worksheet_process`; raise ValueError for any other line: a cell may have found the way out."""
+    message = json.loads(line)
+    if not isinstance(message, dict) or {name: type(value) for name, value in message.items()} not in _MESSAGES:
+        raise ValueError("no message of ours")
+    return message
+
+
+_MESSAGES = ({"start": int}, {"done": int, "answer": str, "problem": str}, {"end": bool})
 
 
 def _kill(process):

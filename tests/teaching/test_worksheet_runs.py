@@ -20,6 +20,14 @@ while True:
     except BaseException:
         pass
 """
+FORGED = """
+import os
+for way_out in range(3, 20):
+    try:
+        os.write(way_out, b{line!r})
+    except OSError:
+        pass
+"""
 GREEDY = "kept = []\nwhile True:\n    kept.append(bytearray(100_000_000))"
 posix_only = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
 
@@ -79,6 +87,12 @@ def test_a_failing_cell_does_not_stop_the_others(source, problem):
     (outcome,) = outcomes(source)
     assert outcome.answer == ""
     assert outcome.problem.startswith(problem)
+
+
+@pytest.mark.parametrize("line", ['{"done": 0}', "5", '{"done": 0, "answer": [1], "problem": ""}', "[" * 20_000])
+def test_a_cell_that_writes_messages_of_its_own_is_left_out(line):
+    (forger,) = outcomes(FORGED.replace("{line!r}", repr(line + "\n")))
+    assert (forger.answer, forger.problem) == ("", "it ended the process")
 
 
 @pytest.mark.parametrize("source", ["while True: pass", DEAF, "while True: print('x' * 10_000)", "import time\ntime.sleep(3600)"])
