@@ -1,11 +1,10 @@
 """Pictures of an attitude: heading and pitch against time, and the baseline seen from above."""
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import FixedLocator, MaxNLocator
 
-from gnsslab.figures.kept import STYLE, Scene, new_figure
+from gnsslab.figures.kept import Scene, new_figure, styled
 from gnsslab.gnss.times import seconds_between
 
 # Colours of Okabe and Ito (2008), told apart by all common kinds of colour blindness; the marker tells it again.
@@ -27,7 +26,7 @@ def plot_attitude(attitude, truth=None, figure=None):
     truth: optional record with heading and pitch [rad], scalars or (T,), drawn dashed. Colour and marker tell fixed,
     float and none apart.
     """
-    with rc_context(STYLE):
+    with styled():
         figure = figure if figure is not None else new_figure(880, 460)
         time_panels, compass = figure.subfigures(1, 2, width_ratios=(1.5, 1))
         for build, part in ((build_angles, time_panels), (build_compass, compass)):

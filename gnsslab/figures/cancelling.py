@@ -1,10 +1,9 @@
 """Pictures of differences: how large each level's residuals are, on one axis in powers of ten, and the noise of each on one scale."""
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, MaxNLocator, NullFormatter
 
-from gnsslab.figures.kept import STYLE, Scene, new_figure
+from gnsslab.figures.kept import Scene, new_figure, styled
 
 LEVELS = ("undifferenced", "single difference", "double difference")
 # Colours of Okabe and Ito (2008), dark enough on white; the marker tells them apart again.
@@ -20,7 +19,7 @@ HALF_WIDTHS = tuple(step * 10.0**power for power in range(-3, 6) for step in (1,
 
 def plot_cancelling(result, figure=None):
     """Draw both pictures of a CancellingResult side by side; return the Figure."""
-    with rc_context(STYLE):
+    with styled():
         figure = figure if figure is not None else new_figure(880, 420)
         sizes, grains = figure.subfigures(1, 2, width_ratios=(1.2, 1))
         for build, part in ((build_sizes, sizes), (build_grains, grains)):

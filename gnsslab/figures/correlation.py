@@ -1,12 +1,12 @@
 """Pictures of a covariance: two matrices as heat maps with their numbers, the ratios, and the cloud of baselines."""
 
 import numpy as np
-from matplotlib import colormaps, rc_context
+from matplotlib import colormaps
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Ellipse
 from matplotlib.ticker import FixedFormatter, FixedLocator, MaxNLocator, NullFormatter, NullLocator
 
-from gnsslab.figures.kept import STYLE, Scene, new_figure
+from gnsslab.figures.kept import Scene, new_figure, styled
 from gnsslab.figures.numbers import NumberPaths
 
 BLUES = colormaps["Blues"]
@@ -19,7 +19,7 @@ MM = 1e-3
 
 def plot_correlation(result, figure=None):
     """Draw both pictures of a CorrelationResult side by side; return the Figure."""
-    with rc_context(STYLE):
+    with styled():
         figure = figure if figure is not None else new_figure(840, 480)
         pattern, cloud = figure.subfigures(1, 2, width_ratios=(1.35, 1))
         for build, part in ((build_pattern, pattern), (build_cloud, cloud)):

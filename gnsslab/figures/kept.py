@@ -6,8 +6,10 @@ drawn once and saved as pixels; a move restores them and draws the few artists o
 """
 
 import struct
+import threading
 import zlib
 from collections.abc import Callable
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +38,14 @@ STYLE = {
     "legend.frameon": False,
     "path.simplify_threshold": 1.0,
 }
+_ONE_AT_A_TIME = threading.RLock()
+
+
+@contextmanager
+def styled():
+    """Draw in the style of the course, one thread at a time: matplotlib has one style for the whole process, and a class many threads."""
+    with _ONE_AT_A_TIME, rc_context(STYLE):
+        yield
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +71,7 @@ class KeptPicture:
     """A figure that is built once by `build(figure) -> Scene` and then only updated."""
 
     def __init__(self, build, width, height, sharpness=SHARPNESS):
-        with rc_context(STYLE):
+        with styled():
             self.figure = new_figure(width, height, sharpness)
             self._scene = build(self.figure)
         for artist in self._scene.moving:
@@ -70,6 +80,11 @@ class KeptPicture:
 
     def png(self, result):
         """Return the picture of a result as PNG bytes."""
+        with styled():
+            self._show(result)
+        return png_bytes(self.figure.canvas)
+
+    def _show(self, result):
         frame = self._scene.show(result)
         if self._background is None or frame != self._frame:
             self._draw_background()
@@ -78,11 +93,9 @@ class KeptPicture:
             self.figure.canvas.restore_region(self._background)
         for artist in self._scene.moving:
             artist.axes.draw_artist(artist)
-        return png_bytes(self.figure.canvas)
 
     def _draw_background(self):
-        with rc_context(STYLE):
-            self.figure.canvas.draw()
+        self.figure.canvas.draw()
         self._background = self.figure.canvas.copy_from_bbox(self.figure.bbox)
 
 

@@ -1,10 +1,9 @@
 """Pictures of formulas as printed and as corrected: the error of both angles, and the sigma against beams that were drawn."""
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.ticker import FixedLocator, MaxNLocator
 
-from gnsslab.figures.kept import STYLE, Scene, new_figure
+from gnsslab.figures.kept import Scene, new_figure, styled
 
 # Colours of Okabe and Ito (2008); the line's style tells them apart again.
 FORMULA_STYLE = {
@@ -23,7 +22,7 @@ BINS = 41  # odd: one in the middle
 
 def plot_printed_angles(result, figure=None):
     """Draw both pictures of a result of the lab "printed" side by side; return the Figure."""
-    with rc_context(STYLE):
+    with styled():
         figure = figure if figure is not None else new_figure(880, 400)
         errors, scatter = figure.subfigures(1, 2, width_ratios=(1.26, 1))
         for build, part in ((build_errors, errors), (build_scatter, scatter)):

@@ -1,10 +1,9 @@
 """Picture of a relative solution: east, north and up against time."""
 
 import numpy as np
-from matplotlib import rc_context
 
 from gnsslab.figures.attitude import STATUS_STYLE
-from gnsslab.figures.kept import STYLE, new_figure
+from gnsslab.figures.kept import new_figure, styled
 from gnsslab.gnss.times import iso_text, seconds_between
 
 BAND_COLOR = "#8FBEE0"
@@ -15,7 +14,7 @@ def plot_relative(relative):
 
     Colour and marker tell fixed and float apart, a cross at the foot marks an epoch without solution.
     """
-    with rc_context(STYLE):
+    with styled():
         figure = new_figure(880, 620)
         panels = figure.subplots(3, 1, sharex=True, gridspec_kw={"left": 0.12, "right": 0.98, "bottom": 0.09, "top": 0.94, "hspace": 0.12})
         seconds = seconds_between(relative.time, relative.time[0])

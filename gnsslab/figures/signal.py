@@ -1,10 +1,9 @@
 """Pictures of one satellite's signal: code against carrier, carrier against carrier, range rates, and what the equation leaves."""
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.ticker import MaxNLocator
 
-from gnsslab.figures.kept import STYLE, Scene, new_figure
+from gnsslab.figures.kept import Scene, new_figure, styled
 
 # Colours of Okabe and Ito (2008); the marker tells code (dots) and carrier (line) apart as well.
 CODE = {"color": "#0072B2", "marker": ".", "markersize": 4, "linestyle": ""}
@@ -21,7 +20,7 @@ MM = 1e-3
 
 def plot_signal(track, figure=None):
     """Draw one satellite's Track: code minus carrier above the carrier alone, range rates above what the equation leaves."""
-    with rc_context(STYLE):
+    with styled():
         figure = figure if figure is not None else new_figure(880, 420)
         for build, part in zip((build_signal, build_rates), figure.subfigures(1, 2, width_ratios=(1.3, 1)), strict=True):
             build(part).show(track)

@@ -1,10 +1,9 @@
 """Pictures of a sky: where the satellites stand, and how much their codes err by elevation."""
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.patches import Circle
 
-from gnsslab.figures.kept import STYLE, Scene, new_figure
+from gnsslab.figures.kept import Scene, new_figure, styled
 
 # Colours of Okabe and Ito (2008); the marker tells the system again, a hollow one that a satellite is not used.
 SYSTEM_STYLE = {
@@ -21,7 +20,7 @@ HALF_WIDTHS = (1, 2, 5, 10, 20, 50, 100, 1000, 10_000)  # [m]
 
 def plot_sky(view, figure=None):
     """Draw a View: the residuals by elevation with the promised sigma, and the sky; return the Figure."""
-    with rc_context(STYLE):
+    with styled():
         figure = figure if figure is not None else new_figure(880, 420)
         for build, part in zip((build_residuals, build_sky), figure.subfigures(1, 2, width_ratios=(1.25, 1)), strict=True):
             build(part).show(view)

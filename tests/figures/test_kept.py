@@ -1,9 +1,12 @@
 """Kept pictures: what a move draws equals what a whole draw gives."""
 
 import io
+import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from matplotlib import rcParams
 from PIL import Image
 
 from gnsslab.figures.kept import KeptPicture, Scene, new_figure, png_bytes
@@ -56,3 +59,17 @@ def test_png_is_what_the_canvas_shows():
     figure.add_axes((0, 0, 1, 1)).plot([0, 1], [0, 1])
     figure.canvas.draw()
     np.testing.assert_array_equal(_pixels(png_bytes(figure.canvas)), np.asarray(figure.canvas.buffer_rgba())[:, :, :3])
+
+
+def test_many_threads_draw_what_one_draws():
+    """A class has thirty sessions in the threads of few processes; matplotlib has one style for all of them."""
+    alone, style = KeptPicture(_build, 200, 100).png([1, 2, 3]), dict(rcParams)
+    switching = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)  # [s], so that threads meet in the middle of a picture
+    try:
+        with ThreadPoolExecutor(8) as pool:
+            drawn = list(pool.map(lambda _: KeptPicture(_build, 200, 100).png([1, 2, 3]), range(32)))
+    finally:
+        sys.setswitchinterval(switching)
+    assert set(drawn) == {alone}
+    assert dict(rcParams) == style
