@@ -142,7 +142,7 @@ def _events(lines):
 def _event(line):
     try:
         event = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     is_ours = isinstance(event, dict) and all(type(event.get(name)) in types for name, types in _TYPES.items())
     return event if is_ours and event["kind"] in KINDS else None

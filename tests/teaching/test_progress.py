@@ -93,7 +93,17 @@ def test_a_torn_last_line_costs_only_itself(progress):
 
 @pytest.mark.parametrize(
     "line",
-    ["", "no JSON", "[]", "null", "17", '{"lesson": "00"}', "\x00\x00", '{"lesson": 0, "item": "a", "kind": "goal", "answer": "", "is_right": null}'],
+    [
+        "",
+        "no JSON",
+        "[]",
+        "[" * 100_000,
+        "null",
+        "17",
+        '{"lesson": "00"}',
+        "\x00\x00",
+        '{"lesson": 0, "item": "a", "kind": "goal", "answer": "", "is_right": null}',
+    ],
 )
 def test_foreign_lines_are_passed_over(progress, line):
     progress.record("00", "first", "question", "1")
