@@ -251,8 +251,7 @@ def _(mo):
     | heading (5) | $\arctan(e/n)$ | $\operatorname{atan2}(e, n)$ |
     | pitch (6) | $\arcsin(u/h)$ | $\operatorname{atan2}(u, h)$ |
 
-    The sigmas (33) and (34) went wrong too. In the first a dilution was not squared, so that the result even depends on the
-    unit. In the second a $\cos^2\psi$ was lost, and east and north changed places.
+    The sigmas (33) of heading and (34) of pitch went wrong too. Look for them in the lab; the formulas stand below it.
 
     In the first picture you see the error of the formula at all headings and at all pitches. The second shows 2000 beams
     drawn with the errors you set. Two thirds of them should lie within the dashed lines: that is what a sigma promises.
@@ -310,8 +309,30 @@ def _(printed, saving_print):
 @app.cell(hide_code=True)
 def _(mo):
     mo.md(r"""
-    Why did nobody notice? The paper measured northward and on level ground. At 2° of pitch the misprint in (6) is a thousandth
-    of a degree. So small an error can hide, and this goal asks you to hide it once more:
+    **(33) forgets a square.** As printed:
+
+    $$\sigma_\psi = \frac{\sqrt{\cos^2\psi\,\sigma_e^2 + \sin^2\psi\,\sigma_n}}{\ell}\cos\theta$$
+
+    Corrected:
+
+    $$\sigma_\psi = \frac{\sqrt{\cos^2\psi\,\sigma_e^2 + \sin^2\psi\,\sigma_n^2}}{\ell\cos\theta}$$
+
+    Take $\sigma_e = 6$ mm, $\sigma_n = 9$ mm and $\sigma_u = 16$ mm on $\ell = 1.167$ m, with $\psi = 50°$ and $\theta = 25°$. The
+    print gives 3.24° for heading. Corrected it is 0.43°, and drawn beams confirm that. Put millimetres into the same print
+    instead of metres, and it gives 0.20°. A formula whose answer depends on the unit is wrong.
+
+    **(34) swaps east and north, and loses a $\cos^2\psi$.** As printed:
+
+    $$\sigma_\theta = \frac{\sqrt{\cos^2\theta\,\sigma_u^2 + \sin^2\theta\,(\sigma_e^2 + \sin^2\psi\,\sigma_n^2)}}{\ell}$$
+
+    Corrected:
+
+    $$\sigma_\theta = \frac{\sqrt{\cos^2\theta\,\sigma_u^2 + \sin^2\theta\,(\sin^2\psi\,\sigma_e^2 + \cos^2\psi\,\sigma_n^2)}}{\ell}$$
+
+    For the same beam it gives 0.74° instead of 0.73°: so small that nobody sees it.
+
+    **Why did nobody notice (5) and (6)?** The paper measured northward and on level ground. At 2° of pitch the misprint in (6) is
+    a thousandth of a degree. So small an error can hide. In this goal you hide it once more:
     """)
     return
 

@@ -35,8 +35,12 @@ def _(mo):
     | 08:20:00 | 21&nbsp;276&nbsp;559.872 | 111&nbsp;809&nbsp;054.738 | −1362.500 |
     | 08:20:01 | 21&nbsp;276&nbsp;819.031 | 111&nbsp;810&nbsp;417.391 | −1362.804 |
 
+    The **code** is how long the signal travelled, told in metres. The **carrier** counts the waves of the radio signal, called
+    cycles. The **Doppler** says how many cycles a second it should count, with a minus while the satellite goes away.
+
     In that second the code grew by 259.16 m. The carrier grew by 1362.653 cycles, and a cycle is 0.1903 m long: 259.30 m.
-    The mean Doppler says 1362.652 cycles. Three numbers, one way. Everything in this course is made of them.
+    The mean Doppler says 1362.652 cycles. Three numbers tell of one way, and two of them differ by 14 cm. Which one do you trust?
+    Everything in this course is made of them.
     """)
     return
 
@@ -69,10 +73,15 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     ## Play
 
-    **First lab: one satellite, five minutes.** In the first picture, above, each dot is one second: the code minus the
-    carrier. All that both have in common is gone, above all the distance. What stays is how much they disagree. The red line is
-    the carrier of one frequency minus that of the other, in the same metres. Below you see that line enlarged: the scale is in
-    millimetres. The second picture comes later.
+    **First lab: one satellite, five minutes.** In the upper half of the first picture each dot is one second: the code minus the
+    carrier. All that both have in common is gone, above all the distance. What stays is how much they disagree.
+
+    The satellite sends on two frequencies, L1 and L2. The red line is the carrier of one minus that of the other, in the same
+    metres. In the lower half you see that line enlarged: the scale is in millimetres. You need the second picture for step 5, and
+    at the end of the lesson.
+
+    Two words of the controls: *elevation* is the angle of the satellite above the horizon, and *multipath* is the echo of its
+    signal from a wall or the ground.
     """)
     return
 
@@ -137,11 +146,12 @@ def _(lesson, prediction):
 
     1. Press **Cycle slip**. The receiver lost its count for a moment, and 5 cycles are in the carrier that never were. From
        there on, every carrier is wrong by the same 0.95 m. The code says nothing. The triangle says: our engine found it.
-    2. Move **Cycle slip on L1** to 1. In the code you see nothing any more. On the scale of millimetres it is a cliff.
+    2. Move **Cycle slip on L1** to 1. In the dots you see nothing any more. In the enlarged line it is a cliff.
     3. Move **Satellite near elevation** down to 10. Code and carrier both get several times worse.
-    4. Press **Multipath**. The grass becomes waves. You can average grass away. You cannot average waves away.
+    4. Press **Multipath**. White noise stands like grass, each dot for itself. An echo goes in slow waves. You can average grass
+       away. You cannot average waves away.
     5. Press **Clock jump**. The receiver sets its clock back by a thousandth of a second, which is 300 km of light. Code minus
-       carrier does not move at all: the clock is in both.
+       carrier does not move at all: the clock is in both. The *range rate* in the second picture shows it, as one spike.
     6. Press **Ionosphere**. Code minus carrier climbs. It climbs along twice the ionosphere; you will see why below.
 
     **And your answer?** The carrier is finer by a hundred times and more. So why does anybody use the code? Because the
@@ -156,10 +166,13 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     ### From one satellite to the whole sky
 
-    **Second lab: all satellites at one time of day.** In the first picture each dot is one code of one satellite: how far it is
-    from what it should read at the place where you really stand. The horizon is on the left, the zenith on the right. The blue
-    band is what the engine expects. The second picture is the sky above you: the zenith in the middle, the horizon at the rim,
-    north up. Hollow satellites are not used, as they stand below the mask.
+    **Second lab: all satellites at one time of day.** In the first picture each dot is one code of one satellite, every half
+    minute for five minutes. Its height is the *residual*: how far the code is from what it should read at the place where you
+    really stand. The horizon is on the left, the zenith on the right. The blue band is one sigma, as the engine expects it: about
+    two of three dots should lie in it.
+
+    The second picture is the sky above you: the zenith in the middle, the horizon at the rim, north up. Hollow satellites are not
+    used, as they stand below the mask. Of HDOP and VDOP take this for now: they are small when the satellites stand well apart.
     """)
     return
 
@@ -290,12 +303,16 @@ def _(mo):
 
     $$G = \begin{pmatrix} -u_1^\top & 1 \\ \vdots & \vdots \\ -u_m^\top & 1 \end{pmatrix}$$
 
-    On the diagonal of $(G^\top G)^{-1}$ stand four numbers: $q_e$, $q_n$, $q_u$ for east, north and up, and one for the clock.
+    Least squares solves them. Its $(G^\top G)^{-1}$ says how errors of the codes become errors of the unknowns. On the diagonal
+    stand four numbers: $q_e$, $q_n$, $q_u$ for east, north and up, and one for the clock.
 
-    $$\mathrm{HDOP} = \sqrt{q_e + q_n}, \qquad \mathrm{VDOP} = \sqrt{q_u}, \qquad \sigma_u \approx \mathrm{VDOP} \cdot \sigma_P$$
+    $$\mathrm{HDOP} = \sqrt{q_e + q_n}, \qquad \mathrm{VDOP} = \sqrt{q_u}$$
+
+    $$\sigma_u \approx \mathrm{VDOP} \cdot \sigma_P$$
 
     In words: [HDOP](/notation#HDOP), on the level, and [VDOP](/notation#VDOP), upwards, say how many metres of place one metre of
-    code costs. They know directions only, no noise. VDOP is the larger one: all satellites are above you and none below, so up is mixed with the clock. Here $\sigma_P$ is the standard deviation of one code, $\sigma_u$ that of the height.
+    code costs. They know directions only, no noise. VDOP is the larger one: all satellites are above you and none below, so up is
+    mixed with the clock. Here $\sigma_P$ is the standard deviation of one code, $\sigma_u$ that of the height.
     """)
     return
 
@@ -331,7 +348,8 @@ def _(mo):
     mo.md(r"""
     ## Reach a goal
 
-    The first two belong to the lab of one satellite, the other two to the lab of the sky. They are judged as you move.
+    The first two belong to the lab of one satellite, the other two to the lab of the sky. They are judged as you move. The slip
+    on L2 and the noise of the carrier stand under *more*.
     """)
     return
 
@@ -405,12 +423,12 @@ def _(mo):
     question of words, and a formula does not carry its words with it. In the paper it did no harm. It takes differences of two
     receivers and two satellites, and there the clocks cancel whatever their sign.
 
-    **A number in a paper of 1998.** It sets the sigma of the C/A code to **3 cm** for one make of receiver, and a few
-    lines on to **3 m** for another. Press **As printed** in the lab of the sky, or set **Sigma promised** (under *more*). With 3 cm the band
+    **A number in a paper of 1998.** It sets the sigma of the code on L1, the C/A code, to **3 cm** for one make of receiver,
+    and a few lines on to **3 m** for another. Press **As printed** in the lab of the sky, or set **Sigma promised** (under *more*). With 3 cm the band
     is a hair line, one code in a hundred lies in it, and the place is promised to 3 cm while it is off by half a metre. With
-    3 m the promise is safe. Even the best C/A code of that time was not good to 3 cm; the unit slipped.
+    3 m the promise is safe. Even the best C/A code of that time was not good to 3 cm: the unit is wrong.
 
-    How do you catch such a slip? Do not look at the place. Look at the residuals: two of three must lie within one sigma.
+    How do you catch a wrong unit? Do not look at the place. Look at the residuals: two of three must lie within one sigma.
     """)
     return
 

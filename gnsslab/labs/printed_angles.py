@@ -38,7 +38,7 @@ PRESETS = (
     Preset("none", "Too steep", {"heading_deg": 35, "pitch_deg": 50},
            "Above 45 deg the tangent exceeds one, and there is no arcsin: the printed formula has no answer."),
     Preset("sigma", "East or west", {"heading_deg": 90, "pitch_deg": 0, "sigma_n": 4},
-           "The printed sigma forgets a square: 4 mm count as their root, 63 mm, and sigma is sixteen times too large."),
+           "The printed sigma forgets a square: for 0.004 m it takes the root, 0.063 m, and is sixteen times too large."),
     Preset("mended", "All corrected", {"formula": "corrected"},
            "Both errors lie on zero, and the dashed lines hold two thirds of the drawn beams: that is what a sigma says."),
 )  # fmt: skip
