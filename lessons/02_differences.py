@@ -67,8 +67,8 @@ def _(lesson, prediction):
     The picture shows one pair of satellites. Every dot is *measured minus geometric*: what a receiver read, less the true distance to the
     satellite. What is left is error. Each line of the axis is **a hundred times** the one below.
 
-    Blue circles: one receiver, one satellite. Orange triangles: rover minus master. Squares: that, one satellite minus the other. Beside it you
-    see the noise alone, on one scale.
+    Blue circles: one receiver, one satellite. Two receivers and two satellites make four lines, and some lie on each other. Orange triangles:
+    rover minus master, for each satellite. Squares: that, one satellite minus the other. The second picture shows the noise alone, on one scale.
     """)
     return
 
@@ -127,15 +127,17 @@ def _(cancelling, saving):
 def _(lesson, prediction):
     lesson.text(prediction, r"""
     **What you see.** Two subtractions take the error from 100 km down to millimetres. The first one removes what the *satellite* did: its clock.
-    The second one removes what the *receivers* did: their clocks. The squares lie far below the dashed line, which is one wave of the carrier.
-    So you can tell which whole wave you are on.
+    What is left is the same for both satellites: their triangles lie on each other. So the second one removes it. It is what the *receivers*
+    did: their clocks. The squares lie far below the dashed line, which is one wave of the carrier. So you can tell which whole wave you are on.
 
     Try these, one at a time:
 
     1. Move **Rover's clock error** to 1 ms. The triangles jump to 300 km. The squares stay.
-    2. Move **Baseline length** to 0 and to 10 km. The squares rise, because the air above the two receivers is not the same any more.
+    2. Move **Baseline length** to 0, then to 10 km. At 10 km the squares are at 3 cm, because the air above the two
+       receivers is not the same any more.
     3. Set **Atmosphere** to *none* at 10 km. The squares fall again. Then try each part alone.
-    4. Set **Clocks** to *all perfect* and **Atmosphere** to *none*. Now all three levels are noise, and you see what subtraction costs.
+    4. Set **Clocks** to *all perfect* and **Atmosphere** to *none*. Now all three levels are millimetres. The second picture says what
+       subtraction costs: 1.4 times the noise, then twice the noise.
     5. Press **A millisecond, believed**. The squares rise to a quarter of a metre. A clock error does no harm in the measurement, but
        it does in your *computation* of where the satellites were.
 
@@ -152,26 +154,28 @@ def _(mo):
 
     ### What cancels
 
-    Call the receiver $r$ and the satellite $s$. The code $P$ and the carrier phase $\Phi$, both in metres, are
+    Call the receiver [$r$](/notation#r) and the satellite [$s$](/notation#s). The code [$P$](/notation#P) and the carrier phase
+    [$\Phi$](/notation#Phi), both in metres, are those of lesson 01:
 
     $$P_r^s = \rho_r^s + c\,(dt_r - dt^s) + T_r^s + I_r^s + \varepsilon_P$$
 
     $$\Phi_r^s = \rho_r^s + c\,(dt_r - dt^s) + T_r^s - I_r^s + \lambda N_r^s + \varepsilon_\Phi$$
 
-    Here $\rho$ is the distance, $c$ the speed of light, $dt_r$ and $dt^s$ the errors of the two clocks, $T$ and $I$ the delays of troposphere
-    and ionosphere, $\lambda$ the wavelength, $N$ a whole number of waves that nobody knows, and $\varepsilon$ noise.
+    Here $\rho$ is the distance, $c$ the speed of light, [$dt_r$](/notation#dt_r) and [$dt^s$](/notation#dt_s) the errors of the two clocks,
+    $T$ and $I$ the delays of troposphere and ionosphere, $\lambda$ the wavelength, $N$ a whole number of waves that nobody knows, and
+    $\varepsilon$ noise.
 
-    In words: a measurement is the distance, plus how wrong both clocks are, plus the air. The ionosphere holds the code back and hurries the
-    carrier on by as much. The carrier is read to millimetres, but its count of waves starts anywhere.
+    In words: a measurement is the distance, plus the receiver's clock error, less the satellite's, plus the air. The ionosphere holds the code back
+    and hurries the carrier on by as much. The carrier is read to millimetres, but its count of waves starts anywhere.
 
-    The *single difference* $\Delta$ is rover minus master, for one satellite:
+    The *single difference* [$\Delta$](/notation#Delta) is rover minus master, for one satellite:
 
     $$\begin{aligned}\Delta\Phi^s = {} & \Delta\rho^s + c\,\Delta dt + \Delta T^s - \Delta I^s \\ & + \lambda\,\Delta N^s + \Delta\varepsilon_\Phi\end{aligned}$$
 
     In words: $dt^s$ is the same number in both receivers' measurements, so it is gone. The receivers' clocks remain, as one number $\Delta dt$, the
     same for every satellite.
 
-    The *double difference* $\nabla\Delta$ is satellite $s$ minus a *reference satellite*, number 1:
+    The *double difference* [$\nabla\Delta$](/notation#nabla_Delta) is satellite $s$ minus a *reference satellite*, number 1:
 
     $$\begin{aligned}\nabla\Delta\Phi^{s1} = {} & \nabla\Delta\rho^{s1} + \nabla\Delta T^{s1} - \nabla\Delta I^{s1} \\ & + \lambda\,\nabla\Delta N^{s1} + \nabla\Delta\varepsilon_\Phi\end{aligned}$$
 
@@ -182,8 +186,8 @@ def _(mo):
     for each kilometre, most for low satellites. That is why this works over kilometres and not over continents.
 
     **And the clock after all.** The satellite moves. Its distance changes by up to 800 m in a second, so by 0.8 m in a millisecond. Ask where it
-    was *at the time on the tag*, and you are wrong by up to that. Ask where it was when the signal left, at tag minus $P/c$, and the clock's
-    error cancels even there.
+    was *at the time on the tag*, and you are wrong by up to that. Ask where it was when the signal left, at tag minus $P/c$. The tag
+    and the code hold the same clock error, so it cancels even there.
 
     All symbols stand on the [notation page](/notation).
     """)
@@ -202,9 +206,9 @@ def _(lesson, prediction):
     that the solver works with. The unit is the variance of one reading.
 
     Below them you see what comes of it. At each epoch the solver looks for the whole numbers that fit best, and for those that fit second best.
-    The **ratio** says how much farther away the second best are. A large one is good; from the dashed line on, the best are believed. Their share of
-    *right integers* is counted, and it is compared with the share that the solver's own covariance *promises*. The cloud shows the baselines of all
-    epochs, in height and to the east.
+    The **ratio** says how much farther away the second best are. A large one is good; from the dashed line on, the best are believed. With fewer
+    satellites the line stands farther right. **Right integers** counts all epochs, believed or not. Beside it stands the share that the solver's own
+    covariance *promises*. The cloud shows what the baselines are with the right integers, in height and to the east.
     """)
     return
 
@@ -267,8 +271,9 @@ def _(lesson, prediction):
     Press **Ignored**. The measurements are the same ones, and only the solver's opinion changed. The ratios fall, so fewer epochs
     can be believed. The black ellipse turns away from the dots: the solver is too sure of the height and not sure enough of east and north.
 
-    Press **Low reference** and then **Low reference, ignored**. A poor reference does no harm to a solver that knows. It ruins one that
-    does not.
+    Press **Low reference**. The low satellites are noisier now, so there are fewer right integers than at the start. Choose another
+    **Reference satellite**: not a single ratio moves. Then press **Low reference, ignored**. A poor reference does no harm to a solver that knows. It
+    ruins one that does not.
     """)
     return
 
@@ -278,13 +283,14 @@ def _(mo):
     mo.md(r"""
     ### The 4-2-2 pattern
 
-    Write the single differences of $m$ satellites as one vector. The *difference operator* $D$ takes the reference away from each of the others. It has
-    $m - 1$ rows and $m$ columns. For four satellites:
+    Write the single differences of $m$ satellites as one vector. The *difference operator* [$D$](/notation#D) takes the reference away from each of
+    the others. (In lesson 01 the same letter was the Doppler.) It has $m - 1$ rows and $m$ columns. For four satellites:
 
     $$D = \begin{bmatrix} -1 & 1 & 0 & 0 \\ -1 & 0 & 1 & 0 \\ -1 & 0 & 0 & 1 \end{bmatrix}$$
 
-    Each row sums to zero: whatever is the same for all satellites cancels. Let one reading of satellite $i$ have the standard deviation $\sigma_i$. A single
-    difference of two receivers has the variance $2\sigma_i^2$, and the double differences have the covariance matrix
+    Each row sums to zero: whatever is the same for all satellites cancels. Let one reading of satellite $i$ have the standard deviation
+    [$\sigma_i$](/notation#sigma_i). A single difference of two receivers has the variance $2\sigma_i^2$, and the double differences have the
+    covariance matrix [$Q_y$](/notation#Q_y):
 
     $$Q_y = D\,\operatorname{diag}(2\sigma_1^2,\ \dots,\ 2\sigma_m^2)\,D^{\mathsf T}$$
 
@@ -295,19 +301,21 @@ def _(mo):
     In words: variances of independent readings add, whatever the sign. So a double difference has four times the variance of one reading, and
     twice its standard deviation. Two double differences share the reference's two readings, so half of their variance is common.
 
-    The measurements $y$, double differences of carrier and code, follow the mixed model
+    The measurements [$y$](/notation#y), double differences of carrier and code, follow the *mixed model*. It is called so because some of its
+    unknowns are whole numbers and some are not:
 
     $$y = A\,a + B\,b + e, \qquad e \sim N(0,\ Q_y)$$
 
-    with the whole numbers $a$, the baseline $b$, and $B = -D\,u$, where the rows of $u$ point to the satellites. Least squares weighs
-    with $Q_y^{-1}$:
+    Here [$a$](/notation#a) are the whole numbers and $b$ is the baseline. [$A$](/notation#A) holds the wavelength for a carrier and zero for a
+    code. [$B$](/notation#B) is $-D\,u$, where the rows of $u$ point to the satellites. The errors $e$ scatter about zero with the covariance $Q_y$.
+    Least squares weighs with its inverse:
 
     $$\hat b = (B^{\mathsf T} Q_y^{-1} B)^{-1} B^{\mathsf T} Q_y^{-1}\,(y - A\,a)$$
 
     In words: believe each measurement as far as it is good, and count what two of them have in common only once.
 
-    **Another reference?** It is only another set of sums of the same differences, $y' = T y$ with an invertible matrix $T$. Then $Q_{y'} = T Q_y T^{\mathsf T}$, and
-    $T$ drops out of $\hat b$. Throw the correlation away, and it does not drop out: the baseline then depends on which satellite you happened to subtract.
+    **Another reference?** It is only another set of sums of the same differences, $y' = T y$ with an invertible matrix $T$ (not the
+    troposphere). Then $Q_{y'} = T Q_y T^{\mathsf T}$, and $T$ drops out of $\hat b$. Throw the correlation away, and it does not drop out: the baseline then depends on which satellite you happened to subtract.
     """)
     return
 
@@ -315,7 +323,7 @@ def _(mo):
 @app.cell(hide_code=True)
 def _(mo):
     mo.md(r"""
-    ## The same in nine lines
+    ## The same in ten lines
 
     Copy this. It reads two observation files and forms both differences of the codes.
 
@@ -334,7 +342,8 @@ def _(mo):
     ```
 
     No files at hand? `gnsslab simulate static-baseline -o roof` writes some, of two antennas 1.167 m apart. There the first line printed says
-    kilometres, the same for each satellite; the second says a metre or two.
+    kilometres, the same for each satellite; the second says a metre or two. The matrix below them is
+    the 4-2-2 pattern.
     """)
     return
 
@@ -344,7 +353,8 @@ def _(mo):
     mo.md(r"""
     ## Reach a goal
 
-    The first goal belongs to the first lab, the second to the second. They are judged as you move.
+    The first goal belongs to the first lab, the second to the second. They are judged as you move. Not
+    all controls that help are in sight: look under *more*.
     """)
     return
 
@@ -378,7 +388,8 @@ def _(mo):
 
     In the second lab, press **Real stations**, then **Real, ignored**:
 
-    * The pattern is there: about 2 beside the diagonal, where 4 is the mean of the diagonal. It is not clean. Satellites differ, and reflected signals last for minutes.
+    * The pattern is there: 2 to 3 beside the diagonal, where 4 is the mean of the diagonal. It is not clean. Satellites differ,
+      and reflected signals last for minutes.
     * Ignoring it costs integers here as well, and the baseline then depends on the reference.
     * The solver promises far too little success, because the sigmas that our engine assumes are about twice those of these good receivers. Whoever
       believes such promises must believe the sigmas first.
@@ -397,7 +408,7 @@ def _(mo):
 
     **Paper of 2019, equations (10) to (13).** Printed: $R = \operatorname{diag}(\delta^1, \dots, \delta^{m-1})$ and $D R D^{\mathsf T}$, where $\delta$ is the *error* of a
     measurement. Two things are wrong. $D$ has $m$ columns and $R$ has $m - 1$, so the product does not exist. And the entries
-    must be variances: squared. Corrected: $\operatorname{diag}(2\sigma_1^2, \dots, 2\sigma_m^2)$.
+    must be variances: sigmas, squared. Corrected: $\operatorname{diag}(2\sigma_1^2, \dots, 2\sigma_m^2)$.
 
     **Second paper of 1998, equation (7).** Printed: the noise of rover minus master is $2V$. Corrected: $V_m - V_j$, the noise of two receivers $m$ and $j$.
     $2V$ has the variance $4\sigma^2$; the difference of two independent receivers has $2\sigma^2$.

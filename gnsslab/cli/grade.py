@@ -14,10 +14,12 @@ Timeout = Annotated[float, typer.Option("--timeout", metavar="S", show_default=F
 
 
 def grade(context: typer.Context, files: Files, output: Output, timeout: Timeout = 60.0):
-    """Mark worksheets (FILE.ipynb...) made by `gnsslab worksheet`: a point for each right answer, remarks for the rest.
+    """Mark worksheets (FILE.ipynb...) made by `gnsslab worksheet`: a point for each right answer, remarks where code failed.
 
     A typed number is only read. Where an answer is worked out by code, the notebook is run in a process of its own, which
     is stopped at the time limit. That stops mistakes, not malice: look at code of people whom you do not know.
+
+    A file that is no worksheet gets a row with the reason. A MARKS.csv that is there already is replaced.
     """
     from gnsslab.cli.outputs import check_output, write_provenance
     from gnsslab.cli.progress import progress_bar

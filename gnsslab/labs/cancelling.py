@@ -37,10 +37,10 @@ CONTROLS = (
     Choice("data", "Data", {"simulated": "simulated", "real pair": "real", "my files": "mine"}, "simulated",
            help="Simulated, two stations in Japan 3.3 km apart, or your own RINEX files."),
     Choice("observable", "Measurement", {"carrier": "carrier", "code": "code"}, "carrier", help="The carrier's phase, or the code."),
-    Choice("clocks", "Clocks", {"as they are": True, "all perfect": False}, True, help="Of both receivers and of the satellites."),
+    Choice("clocks", "Clocks", {"as they are": True, "all perfect": False}, True, help="Those of both receivers and of the satellites."),
     Choice("atmosphere", "Atmosphere", {"none": "", "ionosphere": "I", "troposphere": "T", "both": "IT"}, "IT", help="What delays the signals."),
     Slider("length", "Baseline length", 0, 10, 0.5, 1, "km", help="From master to rover. Zero: side by side."),
-    Slider("rover_clock", "Rover's clock error", 0, 1, 0.01, 0.01, "ms", help="A millisecond is 300 km of light."),
+    Slider("rover_clock", "Rover's clock error", 0, 1, 0.01, 0.01, "ms", help="How far it is fast. A millisecond is 300 km of light."),
     Choice("transmission", "Time of transmission", {"from each code": "code", "from the time tags": "tags"}, "code", more=True,
            help="How you know when the signal left: a receiver's own code tells, whatever its clock says. A time tag is as wrong as the clock."),
     Choice("satellite", "Satellite", {"high": "high", "middle": "middle", "lowest": "low"}, "low", more=True,
@@ -62,17 +62,17 @@ PRESETS = (
     Preset("millisecond", "A millisecond off", {"rover_clock": 1},
            "The rover's clock is off by a millisecond: its own measurements move by 300 km, and the double difference does not care."),
     Preset("tags", "A millisecond, believed", {"rover_clock": 1, "transmission": "tags"},
-           "Now you believe the time tags: you compute the satellites where they were a millisecond early, and decimetres stay."),
+           "Now you believe the time tags: you compute where the satellites were a millisecond later, and decimetres stay."),
     Preset("zero", "Side by side", {"length": 0},
            "With no distance between the antennas the atmosphere is gone too: what is left is the noise of four measurements."),
     Preset("ten", "Ten kilometres", {"length": 10},
            "Each receiver looks through air of its own: centimetres stay, and they are no noise, because they do not average out."),
     Preset("grain", "Noise alone", {"clocks": False, "atmosphere": "", "length": 0},
-           "Nothing is left to cancel: each difference only adds noise, 1.4 times for the first and twice for the second."),
+           "Hardly anything is left to cancel, and the noise grows: 1.4 times with the first difference, twice with the second."),
     Preset("code", "Code", {"observable": "code"},
-           "The same clocks cancel in the codes, but the noise that grows is metres, not millimetres."),
+           "The same clocks cancel in the codes, but the noise that grows is decimetres and metres, not millimetres."),
     Preset("real", "Two real stations", {"data": "real"},
-           "Two stations in Japan, 3335 m apart, for an hour: the double difference settles within two centimetres of whole cycles."),
+           "Two stations in Japan, 3335 m apart, for an hour: the double difference stays within two centimetres of a whole number of cycles."),
 )  # fmt: skip
 
 
@@ -342,7 +342,7 @@ def readouts(result):
 
 def _what_is_left(result):
     if result.atmosphere is not None:
-        return Readout("Atmosphere left", f"{result.atmosphere / MM:.1f}", "mm", f"in the double difference, {_pair_words(result)}")
+        return Readout("Atmosphere left", f"{round(result.atmosphere / MM, 1) + 0.0:.1f}", "mm", f"in the double difference, {_pair_words(result)}")
     if not result.wavelength:
         return Readout("Whole cycles", "none", "", f"a code has none; {_pair_words(result)}")
     return Readout("Whole cycles", str(result.cycles), "", f"taken off the double difference, {_pair_words(result)}")

@@ -65,7 +65,7 @@ QUESTIONS = (
     Question(
         name="correlation-with-a-poor-reference",
         text=(
-            "Now the reference stands low: its readings have 6 mm, those of the other satellites 3 mm. "
+            "Now the reference stands low: its readings have a standard deviation of 6 mm, those of the other satellites 3 mm. "
             "What is the correlation coefficient of two double differences?"
         ),
         answer=0.8,
@@ -73,7 +73,7 @@ QUESTIONS = (
         unit="",
         hints=(
             "The covariance of two double differences is the variance of what they share: the reference's single difference.",
-            r"With $\sigma_1$ for the reference: covariance $2\sigma_1^2$, variance $2\sigma_1^2 + 2\sigma_s^2$.",
+            r"With $\sigma_1$ for the reference and $\sigma_s$ for the others: covariance $2\sigma_1^2$, variance $2\sigma_1^2 + 2\sigma_s^2$.",
         ),
         solution=(
             r"$\dfrac{2\sigma_1^2}{2\sigma_1^2 + 2\sigma_s^2} = \dfrac{36}{36 + 9} = 0.8$." "\n\n"
@@ -82,8 +82,8 @@ QUESTIONS = (
         ),
         mistakes=(
             UsualMistake(0.5, "That holds only where all readings are equally good. Here the reference is worse than the others."),
-            UsualMistake(0.6667, "You took standard deviations, 6 / (6 + 3). Variances add: square them first. A paper below forgot it too."),
-            UsualMistake(0.2, "That is the share of the other satellite. What the two differences share is the reference."),
+            UsualMistake(0.6667, "You took standard deviations, 6 / (6 + 3). Variances add: square them first. The paper of 2019 forgot it too."),
+            UsualMistake(0.2, "That is the other satellite's share. What the two differences share is the reference."),
         ),
     ),
     Question(
@@ -96,7 +96,7 @@ QUESTIONS = (
         tolerance=0.005,
         unit="m",
         hints=(
-            "You compute each satellite where it is a millisecond too late or too early. How far is that along the line of sight?",
+            "You compute where each satellite is a millisecond too late or too early. How far is that along the line of sight?",
             "One distance grows, the other shrinks: take the difference with its signs, $450 - (-250)$ m/s.",
         ),
         solution=(
