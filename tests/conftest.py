@@ -73,3 +73,8 @@ def missing(reason):
     if os.environ.get("GNSSLAB_REQUIRE_ALL") == "1":
         pytest.fail(f"GNSSLAB_REQUIRE_ALL=1, but: {reason}")
     pytest.skip(reason)
+
+
+def pytest_collection_modifyitems(items):
+    """Browser tests come last: playwright keeps an event loop running in the main thread, where others need their own."""
+    items.sort(key=lambda item: "browser" in item.path.parts)

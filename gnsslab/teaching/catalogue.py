@@ -82,7 +82,7 @@ LESSONS = (
             "say what cancels in a single and in a double difference, and what is left after ten kilometres",
             "say what a clock that is a millisecond off does, and how to make it do nothing",
             "write down the covariance of double differences, and show where it comes from",
-            "see what a solver loses that ignores the correlation, or squares no sigma",
+            "see what a solver loses that ignores the correlation, or forgets to square its sigmas",
         ),
         ("gnsslab.labs.cancelling:cancelling_lab", "gnsslab.labs.correlation:correlation_lab"),
     ),

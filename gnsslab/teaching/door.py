@@ -59,7 +59,7 @@ def same_site(connection):
     """Turn away what a page of another site sends: answers, resets and websockets come from our own pages only."""
     origin = connection.headers.get("origin")
     is_reading = connection.scope.get("method") in READING  # a websocket has no method
-    if origin is None or is_reading or urlsplit(origin).netloc == connection.headers.get("host"):
+    if origin is None or is_reading or origin.partition("://")[2] == connection.headers.get("host"):
         return None
     return _page(refusals.foreign_site(origin), 403)
 
@@ -130,7 +130,10 @@ def _page(text, status):
 def _host_name(host):
     """Return the name in a Host header, without its port.
 
-    >>> _host_name("localhost:8000"), _host_name("[::1]:8000"), _host_name("")
+    >>> _host_name("localhost:8000"), _host_name("[::1]:8000"), _host_name("[::1")
     ('localhost', '::1', '')
     """
-    return urlsplit(f"//{host}").hostname or ""
+    try:
+        return urlsplit(f"//{host}").hostname or ""
+    except ValueError:  # brackets that do not close
+        return ""

@@ -11,12 +11,13 @@ import socket
 import subprocess
 import sys
 import time
+from collections import Counter
 from contextlib import suppress
 from itertools import count
 
 from gnsslab.teaching.handing import give_orders, hand
 from gnsslab.teaching.seats import seat_number
-from gnsslab.teaching.visitor import BROWSER_COOKIE
+from gnsslab.teaching.visitor import BROWSER_COOKIE, browser_of
 
 PATIENCE = 75.0  # [s]; browsers open connections in advance, and some never speak
 HEAD = 65_536  # bytes of a request's head that are looked at
@@ -27,7 +28,7 @@ EARLY = 30.0  # [s]; a worker that ends sooner has not served anybody
 EARLY_ENDS = 3  # after so many it is not started again
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")  # the cores are taken by workers already
 WORKER = ("-m", "gnsslab.teaching.worker")  # what Python runs in a worker
-_BROWSER = re.compile(rb"^cookie:[^\r\n]*\b" + BROWSER_COOKIE.encode() + rb"=([0-9a-z-]{8,64})", re.IGNORECASE | re.MULTILINE)
+_BROWSER = re.compile(rb"^cookie:(?:[^\r\n]*;)?[ \t]*" + BROWSER_COOKIE.encode() + rb"=([^;\r\n]*)", re.IGNORECASE | re.MULTILINE)
 
 
 def serve_with_workers(listener, workers, orders, say):
@@ -80,7 +81,7 @@ class Front:
         self.workers = workers
         self.say = say
         self._turn = count()
-        self._early_ends = 0
+        self._early_ends = Counter()  # seat -> how often in a row
         self._tasks = set()
 
     async def serve(self, listener):
@@ -119,8 +120,9 @@ class Front:
 
     def _worker_of(self, head):
         """Return the worker of the browser that sent a head; those without an id take turns."""
-        found = _BROWSER.search(head)
-        number = next(self._turn) if found is None else seat_number(found[1].decode("ascii"), len(self.workers))
+        found = _BROWSER.search(head.partition(b"\r\n\r\n")[0])
+        browser = browser_of({BROWSER_COOKIE: found[1].decode("latin-1")}) if found else None
+        number = next(self._turn) if browser is None else seat_number(browser, len(self.workers))
         return self.workers[number % len(self.workers)]
 
     def _begin(self, work):
@@ -135,10 +137,14 @@ class Front:
     def _ended(self, worker):
         asyncio.get_running_loop().remove_reader(worker.line)
         worker.dismiss()
-        number, status = worker.orders["seat"], worker.wait()
-        self._early_ends = self._early_ends + 1 if time.monotonic() - worker.started < EARLY else 0
-        if self._early_ends >= EARLY_ENDS:
-            self._given_up.set_exception(ValueError(f"worker {number + 1} ended at once, again and again: see above why, or try --workers 1"))
+        self._begin(self._replace(worker))
+
+    async def _replace(self, worker):
+        number, status = worker.orders["seat"], await asyncio.to_thread(worker.wait)
+        self._early_ends[number] = self._early_ends[number] + 1 if time.monotonic() - worker.started < EARLY else 0
+        if self._early_ends[number] >= EARLY_ENDS:
+            if not self._given_up.done():
+                self._given_up.set_exception(ValueError(f"worker {number + 1} ended at once, again and again: see above why, or try --workers 1"))
             return
         self.say(f"worker {number + 1} ended by itself (exit status {status}) and is started again; the lessons of its students begin anew")
         self.workers[number] = Worker(worker.orders)

@@ -4,10 +4,9 @@ import csv
 from dataclasses import dataclass, field
 
 from gnsslab.teaching.questions import judge
+from gnsslab.teaching.spreadsheets import harmless
 from gnsslab.teaching.worksheet_files import assigns_answer, read_worksheet, typed_answer
 from gnsslab.teaching.worksheet_runs import Outcome, run_cells
-
-FORMULA_STARTS = "=+-@\t\r\uff1d\uff0b\uff0d\uff20"  # a spreadsheet runs what starts with one of these, the wide ones too
 
 
 @dataclass(frozen=True)
@@ -107,20 +106,3 @@ def _row(marks, names):
     answers = [harmless(marks.answers.get(name, "")) for name in names]
     total = [sum(marks.points.values()), marks.of] if marks.is_worksheet else ["", ""]
     return [*texts, *points, *answers, *total, harmless("; ".join(marks.remarks))]
-
-
-def harmless(text):
-    """Return a text that no spreadsheet takes for a formula; a number stays as it is.
-
-    >>> harmless("=1+1"), harmless("-3.5"), harmless("Ann")
-    ("'=1+1", '-3.5', 'Ann')
-    """
-    return f"'{text}" if text.lstrip(" ").startswith(tuple(FORMULA_STARTS)) and not _is_number(text) else text
-
-
-def _is_number(text):
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

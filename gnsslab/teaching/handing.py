@@ -3,6 +3,7 @@
 On a line come first the orders, one line of JSON, and then connections, each with one byte.
 """
 
+import errno
 import json
 import socket
 
@@ -48,4 +49,6 @@ class HandedOver(socket.socket):
         if not mark:
             self.on_end()
             raise BlockingIOError
+        if not descriptors:  # this process has as many open as it may: the connection is lost, and the browser asks again
+            raise OSError(errno.EMFILE, "too many open files")
         return socket.socket(fileno=descriptors[0]), None

@@ -26,6 +26,8 @@ from gnsslab.teaching.saving import MIME_TYPES, link_of, saved
 from gnsslab.teaching.visitor import is_class, progress_of
 
 RADIO_AT_MOST = 3  # options that stand side by side; more go into a list
+UPLOAD_IN_CLASS = 30_000_000  # bytes; a third more on the way, which the door lets pass
+CHECK = '<button type="button" class="gl-check">Check</button>'  # takes the focus, whereupon the field hands over what was typed
 KEYS = "1234567890"  # press the presets in front of a class
 CLOSED = "*Choose an answer above to open the lab.*"
 
@@ -79,7 +81,7 @@ class LessonFront:
 
     def lab(self, name):
         """Return the front of the lab of that name, set as the page's link asks."""
-        query = self._query if self._query.get("lab", name) == name else {}
+        query = self._query if name == self._lab_shown() else {}
         front = LabFront(self, self._labs[name], query)
         if name == next(iter(self._labs)):
             front.notes += self._lost()
@@ -97,7 +99,6 @@ class LessonFront:
         return mo.ui.dictionary(
             {
                 "answer": mo.ui.text(entry.answer if entry is not None else "", label=f"Your answer{unit}", placeholder="a number"),
-                "check": _counter("Check"),  # the field hands over what was typed as soon as the button takes the focus
                 "hints": _counter("Hint"),
                 "solution": _counter("Solution"),
             }
@@ -107,7 +108,8 @@ class LessonFront:
         """Return a question with its fields."""
         question = self._questions[name]
         number = list(self._questions).index(name) + 1
-        fields = "".join(f"<span>{asked[part].text}</span>" for part in asked)
+        parts = [asked["answer"].text, CHECK, asked["hints"].text, asked["solution"].text]
+        fields = "".join(f"<span>{part}</span>" for part in parts)
         return mo.Html(f'<div class="gl-question"><b>{number}</b>{mo.md(question.text).text}<div class="gl-fields">{fields}</div></div>')
 
     def check(self, name, given):
@@ -308,7 +310,8 @@ def _switch(control, value, disabled):
 
 def _file_or_path(control, value, disabled):
     path = mo.ui.text(label="or its path", full_width=True, disabled=is_class())
-    return mo.ui.dictionary({"upload": mo.ui.file(label="upload"), "path": path})
+    limit = {"max_size": UPLOAD_IN_CLASS} if is_class() else {}
+    return mo.ui.dictionary({"upload": mo.ui.file(label="upload", **limit), "path": path})
 
 
 _ELEMENTS = {Slider: _slider, Choice: _choice, Switch: _switch, FileOrPath: _file_or_path}

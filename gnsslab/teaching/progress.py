@@ -14,6 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from gnsslab import __version__
+from gnsslab.teaching.spreadsheets import harmless
 
 KINDS = ("prediction", "question", "goal")
 BROWSER_ID = re.compile(r"[0-9a-z][0-9a-z-]{7,63}")  # it names a file, so nothing else may stand in it
@@ -87,7 +88,7 @@ class Progress:
         text = io.StringIO()
         table = csv.DictWriter(text, [field.name for field in fields(Entry)], lineterminator="\n")
         table.writeheader()
-        table.writerows(asdict(entry) for entry in self.entries())
+        table.writerows(asdict(entry) | {"answer": harmless(entry.answer)} for entry in self.entries())
         return text.getvalue()
 
     def _written(self):

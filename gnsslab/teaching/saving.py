@@ -14,9 +14,11 @@ def saved(desk, kind):
     """Return what is on the desk as a file of that kind, "png", "svg" or "csv": bytes."""
     if kind == "csv":
         return table_text(desk.lab.table(desk.result)).encode("utf-8")
-    figure = desk.lab.figure(desk.result)
-    out = io.BytesIO()
-    figure.savefig(out, format=kind)
+    from gnsslab.figures.kept import styled
+
+    figure, out = desk.lab.figure(desk.result), io.BytesIO()
+    with styled():
+        figure.savefig(out, format=kind)
     return out.getvalue()
 
 

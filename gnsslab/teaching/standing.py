@@ -60,6 +60,6 @@ def goals_of(lesson):
 
     >>> from gnsslab.teaching.catalogue import find_lesson
     >>> sorted(goals_of(find_lesson(0)))
-    ['frugal', 'sharp']
+    ['frugal', 'sharp', 'unnoticed']
     """
     return {step.name for step in steps_of(lesson.path.read_text("utf-8")) if step.kind == "goal"}

@@ -5,6 +5,7 @@ import re
 import secrets
 
 ALPHABET = "23456789abcdefghjkmnpqrstuvwxyz"  # none that is mistaken for another on a projector
+FEWEST = 6  # letters and digits of a chosen one
 CHOSEN = re.compile(r"[0-9A-Za-z-]{6,64}")
 
 
@@ -16,8 +17,8 @@ def new_token():
 
 def chosen_token(text):
     """Return a token that an instructor chose; raise ValueError for one that is too short or cannot stand in a link."""
-    if not CHOSEN.fullmatch(text):
-        raise ValueError(f"--token {text}: expected 6 to 64 letters, digits and hyphens")
+    if not CHOSEN.fullmatch(text) or len(_bare(text)) < FEWEST:
+        raise ValueError(f"--token {text}: expected 6 to 64 letters, digits and hyphens, at least 6 of them letters or digits")
     return text
 
 

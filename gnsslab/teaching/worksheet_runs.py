@@ -21,6 +21,7 @@ from time import monotonic
 PROGRAM = Path(__file__).with_name("worksheet_process.py")
 MEMORY = 2 << 30  # [bytes] of address space: four times what a lab with its pictures takes
 CELL_SHARE = 0.5  # of the notebook's time: one endless cell leaves time for the others
+NEEDED = ("PATH", "HOME", "LANG", "LC_ALL", "PYTHONPATH", "SYSTEMROOT", "TMPDIR")  # of the environment; the rest may hold secrets
 QUIET = {"MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
 
 
@@ -81,7 +82,8 @@ def _process(cells, end):
     """Start the process in an empty folder and give the queue of its messages; kill it, and all it started, at the end."""
     job = {"cells": cells, "seconds": max(1, math.ceil(end - monotonic()) + 1), "memory": MEMORY}
     with TemporaryDirectory(prefix="gnsslab-worksheet-", ignore_cleanup_errors=True) as folder:
-        quiet = os.environ | QUIET | {"GNSSLAB_PROGRESS": folder}
+        kept = {name: value for name, value in os.environ.items() if name in NEEDED or name.startswith(("GNSSLAB_", "NUMBA_"))}
+        quiet = kept | QUIET | {"GNSSLAB_PROGRESS": folder}
         process = subprocess.Popen(
             [sys.executable, "-P", PROGRAM], cwd=folder, env=quiet, start_new_session=True,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, encoding="utf-8",

@@ -16,6 +16,7 @@ def _open(visit, path="/lesson/00/", **how):
     page = visit(path, **how)
     page.get_by_role("radio", name=LESSON.exercises.PREDICTION.options[2]).click(timeout=PATIENCE)
     page.wait_for_selector(".gl-pictures img", timeout=PATIENCE)
+    page.get_by_text("save this").nth(1).wait_for(timeout=PATIENCE)  # both labs stand
     return page
 
 

@@ -6,7 +6,7 @@ from starlette.applications import Starlette
 from starlette.responses import PlainTextResponse
 from starlette.routing import Route, WebSocketRoute
 
-from gnsslab.teaching.door import TOKEN_COOKIE, UPLOAD_AT_MOST, BrowserIds, Door, guards_of_class, guards_of_own_course
+from gnsslab.teaching.door import TOKEN_COOKIE, UPLOAD_AT_MOST, BrowserIds, Door, guards_of_class, guards_of_own_course, only_this_machine
 from gnsslab.teaching.visitor import BROWSER_COOKIE, browser_of, new_browser
 
 TOKEN = "k7mx-2fqp"
@@ -134,3 +134,11 @@ def test_an_upload_too_large_for_a_class_is_refused_in_words():
     assert (answer.status, "at most 40 MB" in answer.text) == (413, True)
     assert class_("").post("/room", {"transfer-encoding": "chunked"}).status == 411
     assert class_("").post("/room", {"content-length": str(UPLOAD_AT_MOST)}).status == 200
+
+
+@pytest.mark.parametrize("host", ["[::1", "[", "::::"])
+def test_a_host_that_is_none_is_turned_away_in_words(host):
+    from starlette.requests import Request
+
+    request = Request({"type": "http", "method": "GET", "path": "/", "query_string": b"", "headers": [(b"host", host.encode())]})
+    assert only_this_machine(request).status_code == 403

@@ -6,7 +6,8 @@ import pytest
 from filled_worksheets import NAMES, QUESTIONS, all_right, code, filled, write
 
 from gnsslab.teaching import grading
-from gnsslab.teaching.grading import grade, grade_files, harmless
+from gnsslab.teaching.grading import grade, grade_files
+from gnsslab.teaching.spreadsheets import harmless
 from gnsslab.teaching.worksheet_files import read_worksheet
 
 FIRST, SECOND = NAMES[:2]

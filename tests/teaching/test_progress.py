@@ -6,13 +6,14 @@ import json
 import signal
 import subprocess
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from gnsslab.teaching.progress import KINDS, Entry, Progress, own_progress, progress_of_browser
+from gnsslab.teaching.spreadsheets import harmless
 
 ANSWERS = st.lists(st.tuples(st.sampled_from("abc"), st.text(max_size=12)), min_size=1, max_size=12)
 
@@ -183,7 +184,8 @@ def test_json_and_csv_bring_back_the_same_entries(progress):
     entries = progress.entries()
     assert len(entries) == len(TRICKY)
     assert tuple(Entry(**row) for row in json.loads(progress.as_json())["entries"]) == entries
-    assert tuple(_from_csv(row) for row in csv.DictReader(io.StringIO(progress.as_csv()))) == entries
+    safe = tuple(replace(entry, answer=harmless(entry.answer)) for entry in entries)
+    assert tuple(_from_csv(row) for row in csv.DictReader(io.StringIO(progress.as_csv()))) == safe
 
 
 def _from_csv(row):
