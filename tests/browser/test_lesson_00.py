@@ -6,6 +6,7 @@ import time
 
 import pytest
 
+NORTH = '.gl-stage[data-lab="north"]'  # the parts of the first lab
 SLIDERS = ("Elevation mask", "Baseline length", "Carrier noise", "Code noise", "Seed")
 MOVES = 8
 PATIENCE = 60_000  # [ms], the very first load compiles kernels
@@ -18,18 +19,18 @@ def lesson(visit):
     def open_lesson(**how):
         page = visit("/lesson/00/", **how)
         page.get_by_role("radio", name="to about 2 degrees").click(timeout=PATIENCE)
-        page.wait_for_selector(".gl-pictures img", timeout=PATIENCE)
+        page.wait_for_selector(f"{NORTH} .gl-pictures img", timeout=PATIENCE)
         return page
 
     return open_lesson
 
 
 def _readouts(page):
-    return page.locator(".gl-readouts").inner_text()
+    return page.locator(f"{NORTH} .gl-readouts").inner_text()
 
 
 def _picture(page):
-    return page.locator(".gl-pictures img").first.get_attribute("src")
+    return page.locator(f"{NORTH} .gl-pictures img").first.get_attribute("src")
 
 
 def _await_change(page, before, of):
@@ -48,7 +49,7 @@ def _await_same(page, wanted):
 
 
 def _slider(page, name):
-    return page.get_by_role("slider", name=name)
+    return page.locator(NORTH).get_by_role("slider", name=name)
 
 
 def test_from_the_home_page_into_the_lesson(visit):
@@ -56,14 +57,14 @@ def test_from_the_home_page_into_the_lesson(visit):
     page.get_by_role("link", name="Which way is north?").click()
     page.get_by_role("heading", name="Which way is north?").wait_for(timeout=PATIENCE)
     page.get_by_text("Choose an answer above to open the lab.").wait_for(timeout=PATIENCE)
-    assert page.locator(".gl-pictures").count() == 0
+    assert page.locator(f"{NORTH} .gl-pictures").count() == 0
     page.get_by_role("link", name="All lessons").click()
     page.get_by_role("heading", name="Precise GNSS").wait_for(timeout=PATIENCE)
 
 
 def test_each_slider_changes_the_readouts(lesson):
     page = lesson()
-    page.get_by_text("more", exact=True).click()
+    page.locator(NORTH).get_by_text("more", exact=True).click()
     for name in SLIDERS:
         for key in ("End", "Home"):
             before = _readouts(page)
@@ -83,13 +84,13 @@ def test_presets_set_the_controls_and_say_what_to_look_at(lesson):
 
 def test_goal_is_reached_live(lesson):
     page = lesson()
-    assert page.locator(".gl-reached").count() == 0
+    assert page.locator(".gl-goal.gl-reached").count() == 0
     before = _readouts(page)
     _slider(page, "Baseline length").press("End")
     before = _await_change(page, before, _readouts)
     page.get_by_role("combobox", name="Systems").select_option(label="GPS + Galileo")
     _await_change(page, before, _readouts)
-    page.locator(".gl-reached").get_by_text("Reached.").wait_for(timeout=PATIENCE)
+    page.locator(".gl-goal.gl-reached").get_by_text("Reached.").wait_for(timeout=PATIENCE)
 
 
 def test_real_data_and_what_is_switched_off(lesson, dataset):
@@ -115,7 +116,7 @@ def test_own_files_by_upload(lesson, tmp_path):
     for number, name in enumerate(("master.obs", "rover.obs", "broadcast.nav")):
         page.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
         page.wait_for_timeout(1500)
-    page.locator(".gl-readouts").wait_for(timeout=PATIENCE)
+    page.locator(f"{NORTH} .gl-readouts").wait_for(timeout=PATIENCE)
     mine = _readouts(page)
     assert re.search(r"Heading\s+3[45]\.\d+ deg", mine)
     page.get_by_role("radio", name="simulated").click()
@@ -146,7 +147,7 @@ def test_home_page_fits_a_phone(visit, scheme):
 
 def test_pictures_have_words(lesson):
     page = lesson()
-    words = page.locator(".gl-pictures img").first.get_attribute("alt")
+    words = page.locator(f"{NORTH} .gl-pictures img").first.get_attribute("alt")
     assert "300 epochs" in words
     assert "points to 35.0 degrees" in words
 
@@ -158,7 +159,7 @@ def test_keys_alone_suffice(visit):
     page.get_by_role("radio").first.wait_for(timeout=PATIENCE)
     _tab_to(page, "radio")
     page.keyboard.press("Space")
-    page.wait_for_selector(".gl-pictures img", timeout=PATIENCE)
+    page.wait_for_selector(f"{NORTH} .gl-pictures img", timeout=PATIENCE)
     before = _readouts(page)
     _tab_to(page, "slider")
     page.keyboard.press("End")
@@ -211,7 +212,7 @@ def _timed_press(page, slider):
 
 _START_WATCH = """
 () => {
-  const source = () => document.querySelector('.gl-pictures img')?.src;
+  const source = () => document.querySelector('[data-lab=north] .gl-pictures img')?.src;
   const before = source();
   window.glTaken = null;
   window.addEventListener('keydown', () => {

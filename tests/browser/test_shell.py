@@ -83,7 +83,8 @@ def test_a_link_brings_the_controls_back(visit):
     page.get_by_role("button", name="Link").first.click()
     address = page.locator(".gl-note a").first.get_attribute("href", timeout=PATIENCE)
     again = _open(visit, address)
-    assert float(again.get_by_role("slider", name="Baseline length").get_attribute("aria-valuenow")) == pytest.approx(0.3)
+    length = again.locator('[data-lab="north"]').get_by_role("slider", name="Baseline length")
+    assert float(length.get_attribute("aria-valuenow")) == pytest.approx(0.3)
 
 
 def test_a_preset_is_reached_by_link_and_marked(visit):
