@@ -65,7 +65,7 @@ def test_the_wheel_is_small_and_holds_what_travels(wheel):
     assert "gnsslab/share/lessons/pyproject.toml" in names
     assert any(name.startswith("gnsslab/share/lessons/00_") for name in names)
     assert {f"gnsslab/share/lessons/jupyter/{path.name}" for path in (PROJECT / "lessons" / "jupyter").glob("*.ipynb")} <= set(names)
-    assert "gnsslab/teaching/jupyterlab/overrides.json" in names
+    assert "gnsslab/teaching/jupyter/settings/overrides.json" in names
     assert not any(name.startswith("tests/") or "__pycache__" in name or "__marimo__" in name for name in names)
     assert wheel.stat().st_size < 1_000_000
 

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from gnsslab.teaching.catalogue import LESSONS
-from gnsslab.teaching.notebooks import as_text, twin, twin_name
+from gnsslab.teaching.jupyter.notebooks import as_text, twin, twin_name
 
 FOLDER = Path(__file__).resolve().parent.parent / "lessons" / "jupyter"
 

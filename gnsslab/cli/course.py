@@ -39,7 +39,7 @@ def course(
             host, port, no_browser, {"--present": present, "--token": token is not None, "--no-token": no_token, "--workers": workers is not None}
         )
         return
-    from gnsslab.teaching.course import serve
+    from gnsslab.teaching.server.command import serve
 
     serve(host, port, open_browser=not no_browser, token="" if no_token else token, workers=workers, present=present)
 
@@ -48,6 +48,6 @@ def _notebooks(host, port, no_browser, others):
     for option, is_given in others.items():
         if is_given:
             raise ValueError(f"--jupyter and {option} exclude each other: give one of them")
-    from gnsslab.teaching.jupyter_course import serve_notebooks
+    from gnsslab.teaching.jupyter.command import serve_notebooks
 
     serve_notebooks(host, port, open_browser=not no_browser)

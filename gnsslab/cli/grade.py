@@ -23,7 +23,7 @@ def grade(context: typer.Context, files: Files, output: Output, timeout: Timeout
     """
     from gnsslab.cli.outputs import check_output, write_provenance
     from gnsslab.cli.progress import progress_bar
-    from gnsslab.teaching.grading import grade_files
+    from gnsslab.teaching.worksheets.grading import grade_files
 
     positive("--timeout", timeout, "seconds")
     check_output(output, files)

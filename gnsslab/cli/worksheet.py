@@ -20,8 +20,8 @@ def worksheet(context: typer.Context, lesson: Number, output: Output, force: For
     found = find_lesson(lesson)
     _check_name(output, force)
     check_output(output)
-    from gnsslab.teaching.notebooks import as_text
-    from gnsslab.teaching.worksheets import worksheet
+    from gnsslab.teaching.jupyter.notebooks import as_text
+    from gnsslab.teaching.worksheets.writing import worksheet
 
     Path(output).write_text(as_text(worksheet(found)), "utf-8")
     write_provenance([output], "worksheet", context.params)

@@ -83,7 +83,7 @@ def serve_stamped(journal):
     """Serve the course; computing, drawing and encoding leave stamps."""
     from gnsslab.figures import kept
     from gnsslab.labs.lab import Lab
-    from gnsslab.teaching.course import serve
+    from gnsslab.teaching.server.command import serve
 
     with open(journal, "a", buffering=1) as stamps:
         for owner, function, name in ((Lab, "run", "compute"), (kept.KeptPicture, "png", "picture"), (kept, "png_bytes", "encode")):

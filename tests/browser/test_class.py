@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from gnsslab.teaching.catalogue import find_lesson
-from gnsslab.teaching.tokens import new_token
+from gnsslab.teaching.server.tokens import new_token
 
 PATIENCE = 60_000  # [ms]
 LESSON = find_lesson("00")

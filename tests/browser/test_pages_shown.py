@@ -2,7 +2,7 @@
 
 import pytest
 
-from gnsslab.teaching.pages import data_page, glossary_page, home_page, lost_page, notation_page
+from gnsslab.teaching.pages.pages import data_page, glossary_page, home_page, lost_page, notation_page
 from gnsslab.teaching.progress import Progress
 
 PAGES = {

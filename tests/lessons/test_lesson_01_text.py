@@ -104,7 +104,7 @@ def test_the_nine_lines_run(tmp_path, monkeypatch, capsys):
 
 
 def test_links_lead_to_symbols_of_the_notation():
-    from gnsslab.teaching.notation import notation_body
+    from gnsslab.teaching.pages.notation import notation_body
 
     linked, page = set(re.findall(r"\]\(/notation#(\w+)\)", TEXT)), notation_body()
     assert {"P", "Phi", "phi", "D", "lambda", "N", "dt_r", "dt_s", "I", "T", "rho"} <= linked

@@ -6,7 +6,7 @@ from nbclient import NotebookClient
 
 from gnsslab.data.locations import project_folder
 from gnsslab.teaching.catalogue import LESSONS
-from gnsslab.teaching.notebooks import twin_name
+from gnsslab.teaching.jupyter.notebooks import twin_name
 from gnsslab.teaching.steps import steps_of
 
 PATIENCE = 300  # [s] a cell, the first compiles kernels

@@ -1,0 +1,1 @@
+"""Lessons in JupyterLab: notebooks made from the lessons, labs and questions as widgets."""

@@ -1,0 +1,1 @@
+"""The course's own pages: home, notation, glossary, data."""

@@ -1,0 +1,1 @@
+"""The course's server: the door, the site, and the workers of a class."""

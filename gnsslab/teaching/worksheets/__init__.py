@@ -1,0 +1,1 @@
+"""Worksheets: notebooks with blanks, written, read, run and marked."""
