@@ -306,14 +306,16 @@ def _judge_hidden(result):
 def _judge_finer(result):
     if result.track is None:
         return False, "Now: no answer yet."
-    ratio, by_rule = _ratio(result.track), result.settings["data"] == "simulated" and result.track.elevation < np.radians(20)
+    used, ratio = result.settings, _ratio(result.track)
+    by_rule = used["data"] == "simulated" and used["code_noise"] <= 0.3 and result.track.elevation < np.radians(20)
     return by_rule and ratio >= 300, f"Now: {ratio:.0f} times finer{'' if by_rule else ', but the controls are outside the rules'}."
 
 
 GOALS = (
     Goal("hidden", "Simulated data: place a slip of whole cycles, on one carrier or on both, so that the engine misses it.", _judge_hidden),
-    Goal("finer", "Simulated data and a satellite below 20 degrees: make the carrier 300 times finer than the code.", _judge_finer),
-)
+    Goal("finer", "Simulated data, code noise of 0.3 m or less, a satellite below 20 degrees: make the carrier 300 times finer than the code.",
+         _judge_finer),
+)  # fmt: skip
 
 
 def signal_lab():

@@ -51,7 +51,7 @@ def goal(goal, result):
     is_reached, state = goal.judge(result)
     word, kind = ("Reached.", " gl-reached") if is_reached else ("Not yet.", "")
     judged = f"<strong>{word}</strong> {escape(state)}"
-    return f'<div class="gl-goal{kind}" role="status">{escape(goal.text)}<br>{judged}</div>'
+    return f'<div class="gl-goal{kind}" id="goal-{goal.name}" role="status">{escape(goal.text)}<br>{judged}</div>'
 
 
 def verdict(is_right, words):
@@ -80,9 +80,13 @@ def _goals_in_short(lab, result):
     """Return one mark a goal, so that reaching it is seen where the controls are."""
     if not lab.goals:
         return ""
-    marks = [(number, goal.judge(result)[0]) for number, goal in enumerate(lab.goals, 1)]
-    spans = "".join(f'<span class="{"gl-on" if done else ""}">Goal {number}: {"reached" if done else "not yet"}</span>' for number, done in marks)
-    return f'<p class="gl-goals">{spans}</p>'
+    spans = [_goal_in_short(number, goal, goal.judge(result)[0]) for number, goal in enumerate(lab.goals, 1)]
+    return f'<p class="gl-goals">{"".join(spans)}</p>'
+
+
+def _goal_in_short(number, goal, is_reached):
+    state = "reached" if is_reached else "not yet"
+    return f'<span class="{"gl-on" if is_reached else ""}" title="{escape(goal.text)}">Goal {number}: {state}</span>'
 
 
 def present_style(lab):

@@ -1,5 +1,6 @@
 """Ports and addresses: where the course listens, and what to type on another machine to reach it."""
 
+import errno
 import ipaddress
 import socket
 
@@ -21,6 +22,8 @@ def free_socket(host, port):
         try:
             return socket.create_server((host, candidate), family=family, backlog=1024)
         except OSError as error:
+            if error.errno == errno.EADDRNOTAVAIL:
+                raise _no_address(host) from None
             problem = error.strerror
     raise ValueError(f"no free port from {port} to {port + PORTS_TRIED - 1} at {host} ({problem}): try another with --port")
 
@@ -41,7 +44,11 @@ def _address_family(host):
     try:
         return socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0][0]
     except socket.gaierror:
-        raise ValueError(f"{host} is no address of this machine: try 127.0.0.1, or 0.0.0.0 to serve a class") from None
+        raise _no_address(host) from None
+
+
+def _no_address(host):
+    return ValueError(f"{host} is no address of this machine: try 127.0.0.1, or 0.0.0.0 to serve a class")
 
 
 def _on_the_way_out():

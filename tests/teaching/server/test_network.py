@@ -13,7 +13,7 @@ def test_taken_port_means_the_next_free_one():
         assert second.getsockname()[1] > first.getsockname()[1]
 
 
-@pytest.mark.parametrize(("host", "words"), [("no such host", "is no address of this machine"), ("203.0.113.7", "no free port from 8000")])
+@pytest.mark.parametrize(("host", "words"), [("no such host", "is no address of this machine"), ("203.0.113.7", "is no address of this machine")])
 def test_wrong_hosts_are_refused_in_words(host, words):
     with pytest.raises(ValueError, match=words):
         free_socket(host, 8000)
