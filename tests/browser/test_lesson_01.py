@@ -5,10 +5,13 @@ import time
 
 import pytest
 
+from gnsslab.teaching.catalogue import find_lesson
+
 SLIDERS = {
     "signal": ("Satellite near elevation", "Code noise", "Multipath", "Cycle slip on L1", "Cycle slip on L2", "Slip after", "Carrier noise", "Seed"),
     "sky": ("Time of day", "Latitude", "Elevation mask", "Multipath", "Code noise", "Seed"),
 }
+LABS = find_lesson("01").open_labs()
 PATIENCE = 60_000  # [ms], the very first load compiles kernels
 
 
@@ -81,7 +84,7 @@ def test_a_slip_by_button(lesson):
     page.get_by_role("button", name="Cycle slip", exact=True).click()
     _await_change(page, "signal", before)
     assert re.search(r"Slip\s+found", _readouts(page, "signal"))
-    page.get_by_text("code minus carrier stands 0.95 m lower").wait_for(timeout=PATIENCE)
+    page.get_by_text(LABS["signal"].preset("cycle-slip").look_at).wait_for(timeout=PATIENCE)
     assert float(_slider(page, "signal", "Cycle slip on L1").get_attribute("aria-valuenow")) == 5
 
 
@@ -93,7 +96,7 @@ def test_a_slip_by_link(lesson):
 
 def test_a_preset_of_the_second_lab_by_link_leaves_the_first_alone(lesson):
     page = lesson("/lesson/01/?lab=sky&preset=noon")
-    page.get_by_text("the low satellites all err to one side").wait_for(timeout=PATIENCE)
+    page.get_by_text(LABS["sky"].preset("noon").look_at).wait_for(timeout=PATIENCE)
     assert re.search(r"Slip\s+none", _readouts(page, "signal"))
 
 
