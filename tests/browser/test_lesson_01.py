@@ -91,7 +91,7 @@ def test_a_slip_by_button(lesson):
 def test_a_slip_by_link(lesson):
     page = lesson("/lesson/01/?preset=cycle-slip")
     assert re.search(r"Slip\s+found", _readouts(page, "signal"))
-    page.get_by_text("code minus carrier stands 0.95 m lower").wait_for(timeout=PATIENCE)
+    page.get_by_text(LABS["signal"].preset("cycle-slip").look_at).wait_for(timeout=PATIENCE)
 
 
 def test_a_preset_of_the_second_lab_by_link_leaves_the_first_alone(lesson):
