@@ -119,7 +119,7 @@ def build_compass(figure):
     (tip,) = axes.plot([], [], linestyle="", markersize=13, color="#B03000")
     dots = {kind: axes.plot([], [], linestyle="", **STATUS_STYLE[kind])[0] for kind in (FLOAT, FIXED)}
     (master,) = axes.plot([0], [0], "s", color=TRUTH_COLOR, markersize=6)
-    outside = axes.text(0, -1.27, "", fontsize=8, color="#666666", ha="center", va="bottom")
+    outside = axes.text(-1.27, -1.27, "", fontsize=8, color="#666666", ha="left", va="bottom")
 
     def show(result):
         attitude, known = result
