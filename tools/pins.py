@@ -34,7 +34,7 @@ def resolve():
 
 
 def compiled(folder, *options):
-    command = ["uv", "pip", "compile", "-q", "pyproject.toml", *GROUPS, "--no-annotate", "--no-header", "--no-emit-index-url", *options]
+    command = ["uv", "pip", "compile", "-q", "pyproject.toml", *GROUPS, "--no-annotate", "--no-header", *options]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
         sys.exit(done.stderr)

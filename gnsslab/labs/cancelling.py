@@ -12,7 +12,7 @@ from gnsslab.gnss.signals import SPEED_OF_LIGHT, wavelength
 from gnsslab.gnss.times import seconds_between
 from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
-from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
+from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.labs.levels import grain, levels_of, traced_by_code, traced_by_tags
 from gnsslab.labs.static_pairs import static_pair
 from gnsslab.simulate import LOW_COST, SURVEY, Clock, Static, find_preset, prepare_geometry
@@ -366,8 +366,7 @@ def _judge_calm(result):
     used = result.settings
     by_rule = used["observable"] == "carrier" and used["clocks"] and used["atmosphere"] == "IT" and used["rover_clock"] >= 0.5 and used["length"] >= 5
     size = float(np.sqrt(np.nanmean(result.levels.double**2)))
-    standing = f"Now: {size / MM:.1f} mm"
-    return by_rule and size < 5 * MM, f"{standing}." if by_rule else f"{standing}, but the controls are outside the rules."
+    return by_rule and size < 5 * MM, standing(f"{size / MM:.1f} mm", by_rule)
 
 
 GOALS = (

@@ -14,7 +14,7 @@ from gnsslab.gnss.signals import wavelength
 from gnsslab.gnss.weighting import NoiseModel
 from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
-from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
+from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.labs.single_epochs import SingleDifferences, fixed_baselines, sampled_covariance, solve_each_epoch
 from gnsslab.labs.static_pairs import static_pair
 from gnsslab.simulate import find_preset, prepare_geometry
@@ -331,8 +331,7 @@ def _judge_frugal(result):
     used = result.settings
     by_rule = used["growing"] and used["reference"] == "low" and used["satellites"] <= 8
     right = 100 * float(np.mean(result.solved.is_right))
-    standing = f"Now: {right:.1f} % right"
-    return by_rule and right >= 95, f"{standing}." if by_rule else f"{standing}, but the controls are outside the rules."
+    return by_rule and right >= 95, standing(f"{right:.1f} % right", by_rule)
 
 
 GOALS = (

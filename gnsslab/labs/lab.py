@@ -48,6 +48,15 @@ class Goal:
     judge: Callable
 
 
+def standing(numbers, by_rule):
+    """Return what a goal says of where you stand.
+
+    >>> standing("97 % fixed", by_rule=False)
+    'Now: 97 % fixed, but the controls are outside the rules.'
+    """
+    return f"Now: {numbers}." if by_rule else f"Now: {numbers}, but the controls are outside the rules."
+
+
 def _nothing_blocked(settings):
     return {}
 

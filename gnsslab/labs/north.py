@@ -8,7 +8,7 @@ import numpy as np
 from gnsslab.data import DataUnavailable
 from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
-from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
+from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.simulate import draw, find_preset, idealise, observe_drawn, prepare_geometry, with_length
 from gnsslab.systems.dual_antenna import dual_antenna_attitude
 
@@ -175,17 +175,13 @@ def _attitude(campaign, settings):
 def _judge_sharp(result):
     used, scatter, fixed = result.settings, _heading_scatter(result), _fixed_percent(result)
     by_rule = used["data"] == "simulated" and used["carrier_noise"] >= 2 and used["single_epoch"]
-    return by_rule and scatter < 0.05 and fixed >= 95, _standing(f"scatter {scatter:.2f} deg, {fixed:.1f} % fixed", by_rule)
+    return by_rule and scatter < 0.05 and fixed >= 95, standing(f"scatter {scatter:.2f} deg, {fixed:.1f} % fixed", by_rule)
 
 
 def _judge_frugal(result):
     used, fixed = result.settings, _fixed_percent(result)
     by_rule = used["data"] == "simulated" and used["systems"] == "G" and used["frequencies"] == 2 and used["code_noise"] >= 1
-    return by_rule and fixed >= 95, _standing(f"{fixed:.1f} % fixed", by_rule)
-
-
-def _standing(numbers, by_rule):
-    return f"Now: {numbers}." if by_rule else f"Now: {numbers}, but the controls are outside the rules."
+    return by_rule and fixed >= 95, standing(f"{fixed:.1f} % fixed", by_rule)
 
 
 GOALS = (

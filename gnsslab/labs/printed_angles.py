@@ -6,7 +6,7 @@ import numpy as np
 
 from gnsslab.core.rotations import heading_pitch_of, rotation_from_heading_pitch_roll
 from gnsslab.labs.controls import Choice, Slider
-from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
+from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.systems.dual_antenna import angle_sigmas
 from gnsslab.systems.printed_attitude import heading_as_printed, pitch_as_printed, sigma_heading_as_printed, sigma_pitch_as_printed
 
@@ -187,8 +187,8 @@ def table(result):
 def _judge_unnoticed(result):
     used, heading, pitch = result.settings, abs(result.heading_error), abs(result.pitch_error)
     by_rule = used["formula"] == "printed" and used["pitch_deg"] >= 3
-    now = f"Now: heading off by {heading:.3f} deg, " + (f"pitch by {pitch:.3f} deg" if np.isfinite(pitch) else "no pitch")
-    return by_rule and max(heading, pitch) < 0.01, f"{now}." if by_rule else f"{now}, but the controls are outside the rules."
+    now = f"heading off by {heading:.3f} deg, " + (f"pitch by {pitch:.3f} deg" if np.isfinite(pitch) else "no pitch")
+    return by_rule and max(heading, pitch) < 0.01, standing(now, by_rule)
 
 
 GOALS = (

@@ -12,7 +12,7 @@ from gnsslab.gnss.times import seconds_between
 from gnsslab.gnss.weighting import NoiseModel, sigma_phase
 from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
-from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
+from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.labs.recordings import read_recording, shown_epochs, simulated_recording, with_slip
 from gnsslab.simulate import Clock, Noise, Static, find_preset, prepare_geometry
 from gnsslab.systems.printed_ranges import carrier_range_as_printed
@@ -300,7 +300,7 @@ def _judge_hidden(result):
     is_found = track.found[track.placed]
     by_rule = used["data"] == "simulated"
     state = "no slip is placed" if track.placed < 0 else f"a slip of {size} cycle{'s' if size > 1 else ''} is {'found' if is_found else 'missed'}"
-    return by_rule and size >= 1 and not is_found, f"Now: {state}{'' if by_rule else ', but the controls are outside the rules'}."
+    return by_rule and size >= 1 and not is_found, standing(state, by_rule)
 
 
 def _judge_finer(result):
@@ -308,7 +308,7 @@ def _judge_finer(result):
         return False, "Now: no answer yet."
     used, ratio = result.settings, _ratio(result.track)
     by_rule = used["data"] == "simulated" and used["code_noise"] <= 0.3 and result.track.elevation < np.radians(20)
-    return by_rule and ratio >= 300, f"Now: {ratio:.0f} times finer{'' if by_rule else ', but the controls are outside the rules'}."
+    return by_rule and ratio >= 300, standing(f"{ratio:.0f} times finer", by_rule)
 
 
 GOALS = (

@@ -14,7 +14,7 @@ from gnsslab.gnss.times import add_seconds
 from gnsslab.gnss.weighting import TYPICAL_CN0, NoiseModel, sigma_code
 from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead
 from gnsslab.labs.controls import Choice, FileOrPath, Slider
-from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout
+from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.simulate import Noise, Static, find_preset, prepare_geometry
 from gnsslab.simulate.measurements import measure
 from gnsslab.simulate.recording import record
@@ -264,7 +264,7 @@ def _judge_high(result):
     if view is None:
         return False, "Now: no answer."
     hdop, by_rule = view.dop[2], used["data"] == "simulated" and used["mask_deg"] >= 25
-    return by_rule and hdop < 1.0, f"Now: HDOP {hdop:.2f} with a mask of {used['mask_deg']:g} deg{'' if by_rule else ', outside the rules'}."
+    return by_rule and hdop < 1.0, standing(f"HDOP {hdop:.2f} with a mask of {used['mask_deg']:g} deg", by_rule)
 
 
 def _judge_gps(result):
@@ -272,7 +272,7 @@ def _judge_gps(result):
     if view is None:
         return False, "Now: no answer."
     by_rule = used["data"] == "simulated" and used["systems"] == "G" and used["mask_deg"] >= 15
-    return by_rule and view.dop[3] < 1.3, f"Now: VDOP {view.dop[3]:.2f}{'' if by_rule else ', but the controls are outside the rules'}."
+    return by_rule and view.dop[3] < 1.3, standing(f"VDOP {view.dop[3]:.2f}", by_rule)
 
 
 GOALS = (

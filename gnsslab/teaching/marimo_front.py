@@ -114,7 +114,8 @@ class LessonFront:
 
     def check(self, name, given):
         """Return what is said of an answer, the hints asked for, and the solution once it was tried."""
-        question, verdict = self._questions[name], judge(self._questions[name], given["answer"])
+        question = self._questions[name]
+        verdict = judge(question, given["answer"])
         hints = min(given["hints"], len(question.hints))
         has_tried = verdict.is_number or hints == len(question.hints)
         if verdict.is_number:
