@@ -22,6 +22,11 @@ _HOME_OF = {
     "decorrelate": "gnsslab.core.integers",
     "success_rate": "gnsslab.core.integers",
     "adop": "gnsslab.core.integers",
+    "solve_float": "gnsslab.core.mixed_model",
+    "given_integers": "gnsslab.core.mixed_model",
+    "FloatSolution": "gnsslab.core.mixed_model",
+    "use_length": "gnsslab.core.mixed_model",
+    "short_baseline_model": "gnsslab.gnss.short_baseline",
     "plot_attitude": "gnsslab.figures.attitude",
 }
 

@@ -1,6 +1,6 @@
 """Lab of lesson 02: the covariance of double differences, and what a solver gets that ignores half of it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -16,9 +16,8 @@ from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, requi
 from gnsslab.labs.controls import Choice, FileOrPath, Slider, Switch
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.labs.single_epochs import SingleDifferences, fixed_baselines, sampled_covariance, solve_each_epoch
+from gnsslab.labs.skies import open_sky
 from gnsslab.labs.static_pairs import static_pair
-from gnsslab.simulate import find_preset, prepare_geometry
-from gnsslab.simulate.geometry import antenna_position
 from gnsslab.simulate.receivers import white_factor
 from gnsslab.systems.printed_differences import doubled_covariance_as_printed, unsquared_covariance_as_printed
 
@@ -28,7 +27,7 @@ FEWEST_EPOCHS = 20  # of real data with all the satellites asked for
 FEWEST_SATELLITES = 5  # one more than a position needs, so that there is something to compare
 KEPT = 4
 REAL_DATA = "geonet-0759-3040"
-SITUATION = replace(find_preset("static-rtk-5km"), systems="G", bands=1, start="2024-06-24T05:20:00", duration=1.0, mask_deg=5.0)
+MOMENT = "2024-06-24T05:20:00"
 REAL_MASK = np.radians(15.0)
 
 
@@ -145,36 +144,24 @@ class CorrelationEngine:
         return _from_model(self._model(*observations, self._files.ephemerides(navigation)), settings)
 
 
-@lru_cache(1)
-def _sky():
-    """Return the satellites' names, elevations (m,) [rad] and unit vectors (m, 3) east, north, up, the highest first."""
-    geometry = prepare_geometry(SITUATION)
-    place = antenna_position(SITUATION, 0, np.zeros(1))[0]
-    sight = geometry.tracks.position[0] - place
-    u = sight / np.linalg.norm(sight, axis=1, keepdims=True) @ enu_rotation(place).T
-    order = np.argsort(-geometry.elevation[0, 0])
-    return tuple(geometry.tracks.satellites[k] for k in order), geometry.elevation[0, 0, order], u[order]
-
-
 def _simulate(settings):
     """Return a Case drawn at random about a known baseline."""
-    names, elevation, u = _sky()
-    chosen = np.linspace(0, len(names) - 1, settings["satellites"]).round().astype(int)  # from the highest to the lowest
-    growth = white_factor(elevation[chosen]) if settings["growing"] else np.ones(len(chosen))
+    sky = open_sky("G", start=MOMENT).spread(settings["satellites"])
+    growth = white_factor(sky.elevation) if settings["growing"] else np.ones(len(sky.names))
     sigma_code, sigma_phase = settings["code_noise"] * growth, settings["carrier_noise"] * MM * growth
     rng = np.random.default_rng(settings["seed"])
-    (code, phase), lam = rng.standard_normal((2, 2, EPOCHS, len(chosen))), wavelength("G", "1")  # each (receiver, T, m)
-    integers = rng.integers(-1000, 1000, len(chosen))
+    (code, phase), lam = rng.standard_normal((2, 2, EPOCHS, len(sky.names))), wavelength("G", "1")  # each (receiver, T, m)
+    integers = rng.integers(-1000, 1000, len(sky.names))
     data = SingleDifferences(
         code=(code[1] - code[0]) * sigma_code,
         phase=(phase[1] - phase[0]) * sigma_phase + lam * integers,
-        design=-u[np.newaxis, chosen],
+        design=-sky.u[np.newaxis],
         sigma_code=sigma_code,
         sigma_phase=sigma_phase,
         integers=integers,
         wavelength=lam,
     )
-    return Case(data, tuple(names[k] for k in chosen), sigma_is_known=True)
+    return Case(data, sky.names, sigma_is_known=True)
 
 
 def _real_model(base, rover, ephemerides):
