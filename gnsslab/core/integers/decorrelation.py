@@ -39,6 +39,52 @@ class Decorrelation(NamedTuple):
     L: np.ndarray
     d: np.ndarray
 
+    @property
+    def inverse(self):
+        """Z^-1 (..., n, n) int64, exactly: a = inverse' z, for real z as well."""
+        inverse = np.empty_like(self.Z)
+        for index in np.ndindex(self.Z.shape[:-2]):
+            inverse[index] = _inverse(self.Z[index])
+        return inverse
+
+    def restore(self, z):
+        """Return the ambiguities a (..., n) int64 whose combinations Z' a are the integers z (..., n), exactly.
+
+        Raises ValueError where z are no whole numbers.
+
+        >>> decorrelation = decorrelate([[5.0, 4.0], [4.0, 3.3]])
+        >>> decorrelation.restore(decorrelation.Z.T @ [100_000_007, -3]).tolist()
+        [100000007, -3]
+        """
+        whole = np.asarray(z).astype(np.int64)
+        if not np.array_equal(whole, z):
+            raise ValueError("z must be whole numbers, such as integer_least_squares gives; for real z take inverse.mT @ z.")
+        return np.matvec(self.inverse.mT, whole)
+
+
+def _inverse(Z):
+    """Return the inverse of an integer matrix (n, n) with determinant 1 or -1, exactly, by Gauss and Jordan modulo 2^64.
+
+    There every odd number has a reciprocal, and as det Z is odd each column has an odd pivot. The entries of Z^-1 are
+    below 2^52 (`reduce` sees to it), so nothing is lost by counting modulo 2^64.
+    """
+    n = len(Z)
+    A = np.hstack([Z, np.eye(n, dtype=np.int64)]).astype(np.uint64)
+    for k in range(n):
+        pivot = k + np.argmax(A[k:, k] % 2)
+        A[[k, pivot]] = A[[pivot, k]]
+        A[k] *= np.uint64(pow(int(A[k, k]), -1, 2**64))
+        others = np.arange(n) != k
+        A[others] -= A[others, k, None] * A[k]
+    return A[:, n:].astype(np.int64)
+
+
+class LtDL(NamedTuple):
+    """Q = L' diag(d) L: L (..., n, n) unit lower triangular, d (..., n) conditional variances [Q's unit]."""
+
+    L: np.ndarray
+    d: np.ndarray
+
 
 def decorrelate(Q):
     """Find integer combinations z = Z' a that are nearly uncorrelated, and the factors of their covariance.
@@ -60,6 +106,39 @@ def decorrelate(Q):
         raise_status(status, index)
         Z[index], L[index], d[index] = result
     return Decorrelation(Z, L, d)
+
+
+def ltdl(Q):
+    """Factor a covariance as it stands, without decorrelation.
+
+    Q = L' diag(d) L
+
+    Q: (n, n) or (..., n, n) [cycles^2]. Returns L, unit lower triangular, and d; d_i is the variance of a_i given
+    a_i+1 ... a_n, and L_ij (i > j) what one cycle of error in a_i moves a_j. Raises ValueError where Q is not a
+    covariance matrix. Source: de Jonge and Tiberius (1996), LGR-Series 12, section 3.3.
+
+    >>> L, d = ltdl([[5.0, 4.0], [4.0, 4.0]])
+    >>> L.tolist(), d.tolist()
+    ([[1.0, 0.0], [1.0, 1.0]], [1.0, 4.0])
+    """
+    Q = checked_covariance(Q)
+    _refuse(~np.isfinite(Q).all(axis=(-2, -1)), NOT_FINITE)
+    variance = np.abs(np.diagonal(Q, axis1=-2, axis2=-1))
+    _refuse((np.abs(Q - Q.mT) > _ASYMMETRY * np.sqrt(variance[..., None] * variance[..., None, :])).any(axis=(-2, -1)), NOT_SYMMETRIC)
+    n, A = Q.shape[-1], 0.5 * (Q + Q.mT)
+    L, d = np.zeros(Q.shape), np.zeros(Q.shape[:-1])
+    for j in range(n - 1, -1, -1):
+        d[..., j] = A[..., j, j]
+        _refuse(~(d[..., j] > n * _ROUNDING * variance[..., j]), NOT_POSITIVE)
+        L[..., j, : j + 1] = A[..., j, : j + 1] / d[..., j, None]
+        A[..., :j, :j] -= L[..., j, :j, None] * A[..., j, None, :j]
+    return LtDL(L, d)
+
+
+def _refuse(bad, status):
+    """Raise what a status says of the first bad matrix of a stack, bad (...)."""
+    if np.any(bad):
+        raise_status(status, np.argwhere(bad)[0].tolist())
 
 
 def checked_covariance(Q):
