@@ -4,7 +4,23 @@ For a caller: `integer_least_squares`, `decorrelate`, `success_rate`, `adop`. Fo
 `decorrelate_kernel`, whose status must be GOOD, and `search_kernel`.
 """
 
+from gnsslab.core.integers.constrained import (
+    ConstrainedSolution,
+    constrained_by_shrinking,
+    constrained_integer_least_squares,
+    fix_with_length,
+)
+from gnsslab.core.integers.acceptance import RatioThreshold, difference_test, failure_rate_threshold, projector_test, ratio_test, threshold_of_fixes
 from gnsslab.core.integers.decorrelation import GOOD, Decorrelation, LtDL, decorrelate, decorrelate_kernel, ltdl
+from gnsslab.core.integers.equivariant import EquivariantSolution, best_integer_equivariant
+from gnsslab.core.integers.partial import (
+    PartialSolution,
+    fix_accepted_subset,
+    fix_combinations,
+    fix_most_certain,
+    fix_subset,
+    given_combinations,
+)
 from gnsslab.core.integers.rounding import integer_bootstrapping, integer_rounding
 from gnsslab.core.integers.search import IntegerSolution, fix_groups, integer_least_squares, search_kernel
 from gnsslab.core.integers.simulation import SimulatedFixes, SimulatedRate, simulate_fixes, simulate_success
@@ -12,24 +28,42 @@ from gnsslab.core.integers.success import SuccessBounds, adop, adop_success_rate
 
 __all__ = [
     "GOOD",
+    "ConstrainedSolution",
     "Decorrelation",
+    "EquivariantSolution",
     "IntegerSolution",
     "LtDL",
+    "PartialSolution",
+    "RatioThreshold",
     "SimulatedFixes",
     "SimulatedRate",
     "SuccessBounds",
     "adop",
     "adop_success_rate",
+    "best_integer_equivariant",
+    "constrained_by_shrinking",
+    "constrained_integer_least_squares",
     "decorrelate",
     "decorrelate_kernel",
+    "difference_test",
+    "failure_rate_threshold",
+    "fix_accepted_subset",
+    "fix_combinations",
     "fix_groups",
+    "fix_most_certain",
+    "fix_subset",
+    "fix_with_length",
+    "given_combinations",
     "integer_bootstrapping",
     "integer_least_squares",
     "integer_rounding",
     "ltdl",
+    "projector_test",
+    "ratio_test",
     "search_kernel",
     "simulate_fixes",
     "simulate_success",
     "success_bounds",
     "success_rate",
+    "threshold_of_fixes",
 ]

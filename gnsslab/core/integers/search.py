@@ -80,15 +80,16 @@ def integer_least_squares(a_hat, Q, n_best=2, *, node_limit=NODE_LIMIT):
     ([[5, 3, 4], [6, 4, 4]], [0.2183, 0.3073])
     """
     a_hat, Q = np.asarray(a_hat, dtype=np.float64), checked_covariance(Q)
-    n_best, node_limit = _checked_count(n_best, "n_best"), _checked_count(node_limit, "node_limit")
+    n_best, node_limit = checked_count(n_best, "n_best"), checked_count(node_limit, "node_limit")
     stack, groups = _grouped(a_hat, Q)
     candidates, norms, nodes, status, problem = fix_groups(*groups, n_best, node_limit)
     if status != GOOD:
-        _raise(status, problem, Q.shape[:-2], stack)
+        raise_problem(status, problem, stack if Q.ndim > 2 else ())
     return _as_record(candidates, norms, nodes, (stack, n_best, Q.shape[-1]), node_limit)
 
 
-def _checked_count(count, name):
+def checked_count(count, name):
+    """Return a count as int, or say that it is none."""
     if count < 1 or count != int(count):
         raise ValueError(f"{name} must be a whole number, 1 or more; it is {count}.")
     return int(count)
@@ -117,10 +118,10 @@ def _as_record(candidates, norms, nodes, shape, node_limit):
     return IntegerSolution(candidates.reshape(*stack, n_best, n), norms.reshape(*stack, n_best), nodes.reshape(stack), node_limit)
 
 
-def _raise(status, problem, stack_Q, stack):
+def raise_problem(status, group, stack):
+    """Turn a search's status into ValueError; `group` counts through the stack of matrices, () where there is only one."""
     if status > GOOD:
-        index = np.unravel_index(problem, stack)[len(stack) - len(stack_Q) :] if stack_Q else ()
-        raise_status(status, [min(k, size - 1) for k, size in zip(index, stack_Q, strict=True)])
+        raise_status(status, np.unravel_index(group, stack) if stack else ())
     what = {
         _NOT_A_FLOAT: "contains NaN or infinity: leave out the ambiguities that were not estimated",
         _HAS_NO_FRACTION: "is 2^51 cycles or more, where float64 has no fractions left: subtract an approximate integer first",

@@ -1,0 +1,204 @@
+"""The search of C-LAMBDA: the tree of integer least squares, with a baseline on a sphere below its last integer.
+
+Ambiguities and baseline have one joint covariance. With the baseline as the first variables its factors are those of Q_a,
+and one row G_i (p,) more for each integer:
+
+    b given z_k ... z_n  =  b_hat + sum over i >= k of (z_i - c_i) G_i,    Q_k = Q_b - sum over i >= k of d_i G_i G_i'
+
+    Q_zb = L' diag(d) G,    z = Z' a
+"""
+
+import math
+
+from gnsslab.core.integers.decorrelation import GOOD, factor, reduce
+from gnsslab.core.integers.search import insert, restore, split
+from gnsslab.core.jit import cube, integer_matrix, kernel, matrix
+from gnsslab.core.sphere import principal_axes, sphere_kernel
+
+NOT_JOINTLY_POSITIVE = -10  # beside the statuses of decorrelation and of `split`
+_LONGEST = 64.0  # entries of L left as they are; see `search`
+_GROWTH = 2.0  # of the bound: one twice too large costs 2^(n/2) times the nodes, one too small another pass
+_ROUNDING = 1e-13  # of a variance of b: rounding leaves this much of one that is zero
+
+
+@kernel
+def fix_groups_on_sphere(a, Q_a, b, Q_b, Q_ba, length, bounds, n_best, node_limit):
+    """Fix a (groups, m, n), b (groups, m, p), the m of a group sharing Q_a (n, n), Q_b (p, p), Q_ba (p, n), decorrelated once.
+
+    bounds (groups, m) are the first ones; where fewer than n_best vectors cost less, the bound expands. Returns candidates
+    (groups m n_best, n), norms (groups m, n_best), nodes (groups m, 1), baselines (groups m n_best, p), status and group.
+    """
+    groups = len(Q_a)
+    n, p, m = (len(Q_a[0]), len(Q_b[0]), len(a[0])) if groups > 0 else (0, 0, 0)
+    rows = groups * m
+    candidates, norms, nodes, baselines = integer_matrix(rows * n_best, n), matrix(rows, n_best), integer_matrix(rows, 1), matrix(rows * n_best, p)
+    M, W, d, G = matrix(n, n + m + p), matrix(n, n), matrix(1, n)[0], matrix(n, p)
+    spread, axes, levels, path = matrix(n, p), cube(n, p, p), matrix(5, n), matrix(n + 3, p)
+    for group in range(groups):
+        status = prepare(a[group], Q_a[group], Q_b[group], Q_ba[group], M, W, d, G, spread, axes)
+        if status != GOOD:
+            return candidates, norms, nodes, baselines, status, group
+        for v in range(m):
+            row, bound = group * m + v, bounds[group][v]
+            first, found = row * n_best, 0
+            for j in range(p):
+                path[n][j] = b[group][v][j]
+            while found < n_best and nodes[row][0] < node_limit:
+                rest = node_limit - nodes[row][0]
+                found, passed = search_on_sphere(M, n + v, d, G, spread, axes, levels, path, length, bound, candidates, first, norms[row], rest)
+                nodes[row][0] += passed
+                bound *= _GROWTH
+            for i in range(found, n_best):
+                norms[row][i] = math.inf
+            for i in range(first, first + found):
+                land(M, n + v, G, spread, axes, levels, path, length, candidates[i], baselines[i])
+            for i in range(first, first + n_best):
+                restore(candidates, i, a[group], v, W, levels[0])
+    return candidates, norms, nodes, baselines, GOOD, groups
+
+
+@kernel
+def prepare(a, Q_a, Q_b, Q_ba, M, W, d, G, spread, axes):
+    """Decorrelate one group, and find at each level how b hangs on the integer there and how it is spread below; returns a status."""
+    n, p, m = len(W), len(Q_b), len(a)
+    status = split(a, M)
+    for k in range(n):
+        for j in range(p):
+            M[k][n + m + j] = Q_ba[j][k]
+    if status == GOOD:
+        status = factor(Q_a, M, W, d)
+    if status == GOOD:
+        status = reduce(M, W, d, _LONGEST)
+    if status == GOOD:
+        solve_gains(M, d, G)
+        status = spread_below(Q_b, d, G, spread, axes)
+    return status
+
+
+@kernel
+def solve_gains(M, d, G):
+    """Solve L' diag(d) G = Q_zb, whose right side stands in the last columns of M, from the last row up."""
+    n, p = len(G), len(G[0])
+    behind = len(M[0]) - p
+    for k in range(n - 1, -1, -1):
+        for j in range(p):
+            rest = M[k][behind + j]
+            for i in range(k + 1, n):
+                rest -= M[k][i] * d[i] * G[i][j]
+            G[k][j] = rest / d[k]
+
+
+@kernel
+def spread_below(Q_b, d, G, spread, axes):
+    """Write the variances (n, p) and principal axes (n, p, p) of b given z_k ... z_n, k the level; returns a status."""
+    n, p = len(G), len(Q_b)
+    Q, turned = matrix(p, p), matrix(p, p)
+    for i in range(p):
+        for j in range(p):
+            Q[i][j] = 0.5 * (Q_b[i][j] + Q_b[j][i])
+    for k in range(n - 1, -1, -1):
+        for i in range(p):
+            for j in range(p):
+                Q[i][j] -= d[k] * G[k][i] * G[k][j]
+                turned[i][j] = Q[i][j]
+        principal_axes(turned, spread[k], axes[k])
+        for i in range(p):
+            if not spread[k][i] > _ROUNDING * Q_b[i][i]:
+                return NOT_JOINTLY_POSITIVE
+    return GOOD
+
+
+@kernel
+def search_on_sphere(M, column, d, G, spread, axes, levels, path, length, bound, candidates, first, norms, node_limit):
+    """Search the vectors that cost less than the bound; writes them and their costs, best first; returns how many, and the nodes visited.
+
+    The float values stand in a column of M (n, ...), b_hat in path[n]; path[k] becomes b given z_k ... z_n. At each level the
+    integers come in the order of their distance to the float value. Too far ends a level; off the sphere ends a branch.
+    """
+    z, c, e, step, above = levels[0], levels[1], levels[2], levels[3], levels[4]
+    n, last, found = len(d), len(norms) - 1, 0
+    for i in range(last + 1):
+        norms[i] = bound
+    k, nodes, norm, down = n, 0, 0.0, True
+    while nodes < node_limit:
+        nodes += 1
+        if down:
+            k -= 1
+            above[k] = norm
+            c[k] = float_value(M, column, e, k)
+            z[k] = math.floor(c[k] + 0.5)
+            step[k] = 1.0 if c[k] > z[k] else -1.0
+        else:
+            z[k] += step[k]
+            step[k] = -step[k] - math.copysign(1.0, step[k])
+        e[k] = z[k] - c[k]
+        norm = above[k] + e[k] * e[k] / d[k]
+        down = False
+        if norm >= norms[last]:
+            k += 1
+            if k == n:
+                break
+            continue
+        cost = norm + cost_on_sphere(k, e[k], G, spread, axes, path, length, norms[last] - norm)
+        if cost < norms[last]:
+            if k == 0:
+                insert(candidates, first, norms, z, cost)
+                found = min(found + 1, last + 1)
+            else:
+                down = True
+    return found, nodes
+
+
+@kernel
+def float_value(M, column, e, k):
+    """Return c_k = z_hat_k + sum over i > k of (z_i - c_i) L_ik."""
+    c, row = M[k][column], M[k]
+    for i in range(k + 1, len(e)):
+        c += e[i] * row[i]
+    return c
+
+
+@kernel
+def cost_on_sphere(k, e_k, G, spread, axes, path, length, rest):
+    """Return the least cost of putting b, given z_k ... z_n, on the sphere; infinite where it is `rest` or more for certain.
+
+    path[k] becomes b's mean; the two rows behind path[n] are scratch.
+    """
+    p, n = len(path[0]), len(G)
+    b, above, turned, q = path[k], path[k + 1], path[n + 1], spread[k]
+    square, q_max = 0.0, 0.0
+    for j in range(p):
+        b[j] = above[j] + e_k * G[k][j]
+        square += b[j] * b[j]
+        q_max = max(q_max, q[j])
+    off = math.sqrt(square) - length
+    if off * off >= rest * q_max:
+        return math.inf
+    turn(axes[k], b, turned)
+    return sphere_kernel(turned, q, length, path[n + 2])
+
+
+@kernel
+def turn(V, b, turned):
+    """Write V b to `turned`: the coordinates of b along the rows of V."""
+    for i in range(len(V)):
+        total = 0.0
+        for j in range(len(b)):
+            total += V[i][j] * b[j]
+        turned[i] = total
+
+
+@kernel
+def land(M, column, G, spread, axes, levels, path, length, candidate, baseline):
+    """Write the baseline (p,) on the sphere that goes with a candidate z (n,)."""
+    n, p, e = len(G), len(baseline), levels[2]
+    for k in range(n - 1, -1, -1):
+        e[k] = candidate[k] - float_value(M, column, e, k)
+        for j in range(p):
+            path[k][j] = path[k + 1][j] + e[k] * G[k][j]
+    turn(axes[0], path[0], path[n + 1])
+    sphere_kernel(path[n + 1], spread[0], length, path[n + 2])
+    for j in range(p):
+        baseline[j] = 0.0
+        for i in range(p):
+            baseline[j] += axes[0][i][j] * path[n + 2][i]
