@@ -4,13 +4,13 @@ For a caller: `integer_least_squares`, `decorrelate`, `success_rate`, `adop`. Fo
 `decorrelate_kernel`, whose status must be GOOD, and `search_kernel`.
 """
 
+from gnsslab.core.integers.acceptance import RatioThreshold, difference_test, failure_rate_threshold, projector_test, ratio_test, threshold_of_fixes
 from gnsslab.core.integers.constrained import (
     ConstrainedSolution,
     constrained_by_shrinking,
     constrained_integer_least_squares,
     fix_with_length,
 )
-from gnsslab.core.integers.acceptance import RatioThreshold, difference_test, failure_rate_threshold, projector_test, ratio_test, threshold_of_fixes
 from gnsslab.core.integers.decorrelation import GOOD, Decorrelation, LtDL, decorrelate, decorrelate_kernel, ltdl
 from gnsslab.core.integers.equivariant import EquivariantSolution, best_integer_equivariant
 from gnsslab.core.integers.partial import (
