@@ -34,6 +34,7 @@ def kernel(function):
     if not COMPILED:
         return function
     options = {"error_model": "numpy", "no_cfunc_wrapper": True}  # the wrapper for C would double the smallest compilations
+    options["nogil"] = True  # other threads of the process run meanwhile: a class, or a simulation on all cores
     usual, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _cache_folder()
     try:
         return numba.njit(cache=True, **options)(function)

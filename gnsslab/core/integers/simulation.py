@@ -192,11 +192,9 @@ def count_nearest_to_zero(x, U, sigma, node_limit):
 
     Returns their number, and that of the rows which node_limit nodes did not decide.
     """
-    n = len(sigma)
-    S, levels = matrix(n, n + 1), matrix(6, n)
-    right, undecided = 0, 0
+    levels, right, undecided = matrix(5, len(sigma)), 0, 0
     for v in range(len(x)):
-        nearer, nodes = find_nearer(x[v], U, sigma, S, levels, node_limit)
+        nearer, nodes = find_nearer(x[v], U, sigma, levels, node_limit)
         if not nearer:
             if nodes < node_limit:
                 right += 1
@@ -206,47 +204,41 @@ def count_nearest_to_zero(x, U, sigma, node_limit):
 
 
 @kernel
-def find_nearer(x, U, sigma, S, levels, node_limit):
+def find_nearer(x, U, sigma, levels, node_limit):
     """Search for an integer vector nearer than zero; returns whether one was found, and the nodes visited.
 
-    As `search_in_place`, with |x|^2 for the bound. S (n, n + 1) and levels (6, n) are scratch; column i of S holds c_k
-    with the terms from i on.
+    As `search_in_place`, with |x|^2 for the bound; levels (5, n) is scratch: at each level the integer z, its float value
+    c, what its choice moves the levels below by (g = z - c + sigma x), the step to the next integer, the sum above.
     """
-    z, g, step, above, stale, offset = levels[0], levels[1], levels[2], levels[3], levels[4], levels[5]
+    z, c, g, step, above = levels[0], levels[1], levels[2], levels[3], levels[4]
     n, bound = len(sigma), 0.0
     for k in range(n):
         bound += x[k] * x[k]
-        stale[k] = n - 1
-        offset[k] = S[k][n] = sigma[k] * x[k]
     k, nodes, norm, down = n, 0, 0.0, True
     while nodes < node_limit:
         nodes += 1
         if down:
             k -= 1
             above[k] = norm
-            oldest = int(stale[k])
-            for i in range(oldest, k, -1):
-                S[k][i] = S[k][i + 1] + g[i] * U[k][i]
-            if k > 0 and stale[k - 1] < oldest:
-                stale[k - 1] = oldest
-            stale[k] = k + 1
-            c = S[k][k + 1]
-            z[k] = math.floor(c + 0.5)
-            step[k] = 1.0 if c > z[k] else -1.0
+            c[k] = sigma[k] * x[k]
+            for i in range(k + 1, n):
+                c[k] += U[k][i] * g[i]
+            z[k] = math.floor(c[k] + 0.5)
+            step[k] = 1.0 if c[k] > z[k] else -1.0
         else:
             z[k] += step[k]
             step[k] = -step[k] - math.copysign(1.0, step[k])
-        e = z[k] - S[k][k + 1]
-        g[k] = e + offset[k]
+        e = z[k] - c[k]
+        g[k] = e + sigma[k] * x[k]
         norm = above[k] + (e / sigma[k]) ** 2
         down = norm < bound
         if down and k == 0:
             for i in range(n):
                 if z[i] != 0.0:
                     return True, nodes
-            down = False  # that was zero itself
+            down = False  # this is zero itself: rounding has made |x|^2 a little less
         elif not down:
             k += 1
             if k == n:
                 return False, nodes
-    return False, node_limit
+    return False, nodes
