@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gnsslab.core.integers.decorrelation import GOOD, checked_covariance
-from gnsslab.core.integers.search import NODE_LIMIT, checked_count, integer_least_squares, raise_problem
+from gnsslab.core.integers.search import NODE_LIMIT, IntegerSolution, checked_count, integer_least_squares, raise_problem
 from gnsslab.core.integers.sphere_search import NOT_JOINTLY_POSITIVE, fix_groups_on_sphere
 from gnsslab.core.jit import kernel_input
 from gnsslab.core.mixed_model import FloatSolution, given_integers
@@ -38,26 +38,10 @@ class ConstrainedSolution(NamedTuple):
     node_limit: int
     baselines: np.ndarray  # (..., n_best, 3) [m], of the length given
 
-    @property
-    def complete(self):
-        """True (...) where the candidates are proved best; False where the node limit came first."""
-        return self.nodes < self.node_limit
-
-    @property
-    def best(self):
-        """The best integer vector (..., n) int64 [cycles]."""
-        return self.candidates[..., 0, :]
-
-    @property
-    def ratio(self):
-        """Second best over best cost (...)."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return self.norms[..., 1] / self.norms[..., 0]
-
-    def __repr__(self):
-        missed = int(np.sum(~self.complete))
-        how = f"{missed} ended by the node limit, not proved best" if missed else "all searched completely"
-        return f"ConstrainedSolution: {self.norms[..., 0].size} vectors of {self.candidates.shape[-1]} ambiguities, {how}"
+    best = IntegerSolution.best
+    ratio = IntegerSolution.ratio
+    complete = IntegerSolution.complete
+    __repr__ = IntegerSolution.__repr__
 
 
 def constrained_integer_least_squares(a_hat, Q_a, b_hat, Q_b, Q_ba, length, n_best=2, *, node_limit=NODE_LIMIT):

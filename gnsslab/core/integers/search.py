@@ -57,11 +57,9 @@ class IntegerSolution(NamedTuple):
             return self.norms[..., 1] / self.norms[..., 0]
 
     def __repr__(self):
-        return f"IntegerSolution: {self.norms[..., 0].size} vectors of {self.candidates.shape[-1]} ambiguities, {self._completeness()}"
-
-    def _completeness(self):
         missed = int(np.sum(self.nodes >= self.node_limit))
-        return f"{missed} ended by the node limit, not proved best" if missed else "all searched completely"
+        how = f"{missed} ended by the node limit, not proved best" if missed else "all searched completely"
+        return f"{type(self).__name__}: {self.norms[..., 0].size} vectors of {self.candidates.shape[-1]} ambiguities, {how}"
 
 
 def integer_least_squares(a_hat, Q, n_best=2, *, node_limit=NODE_LIMIT):
