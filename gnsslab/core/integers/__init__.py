@@ -5,6 +5,13 @@ For a caller: `integer_least_squares`, `decorrelate`, `success_rate`, `adop`. Fo
 """
 
 from gnsslab.core.integers.acceptance import RatioThreshold, difference_test, failure_rate_threshold, projector_test, ratio_test, threshold_of_fixes
+from gnsslab.core.integers.aperture import (
+    ApertureSolution,
+    ApertureThreshold,
+    aperture_bootstrapping,
+    aperture_success_rate,
+    failure_rate_aperture,
+)
 from gnsslab.core.integers.constrained import (
     ConstrainedSolution,
     constrained_by_shrinking,
@@ -28,6 +35,8 @@ from gnsslab.core.integers.success import SuccessBounds, adop, adop_success_rate
 
 __all__ = [
     "GOOD",
+    "ApertureSolution",
+    "ApertureThreshold",
     "ConstrainedSolution",
     "Decorrelation",
     "EquivariantSolution",
@@ -40,12 +49,15 @@ __all__ = [
     "SuccessBounds",
     "adop",
     "adop_success_rate",
+    "aperture_bootstrapping",
+    "aperture_success_rate",
     "best_integer_equivariant",
     "constrained_by_shrinking",
     "constrained_integer_least_squares",
     "decorrelate",
     "decorrelate_kernel",
     "difference_test",
+    "failure_rate_aperture",
     "failure_rate_threshold",
     "fix_accepted_subset",
     "fix_combinations",

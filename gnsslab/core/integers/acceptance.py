@@ -23,7 +23,7 @@ def ratio_test(norms, threshold):
     norms: (..., 2 or more) squared distances, best first, as of an IntegerSolution; threshold: c >= 1. This is RTKLIB's
     way round; the LAMBDA toolbox's mu is 1 / c. An infinite norm (a search cut short) is never accepted. Raises
     ValueError for a threshold below 1, which would accept everything.
-    Source: Teunissen and Verhagen (2009), Survey Review 41:138-151, eq. 11.
+    Source: Euler and Schaffrin (1991), IAG Symposia 107:285-295; Teunissen and Verhagen (2009), Survey Review 41:138-151.
 
     >>> ratio_test([[1.0, 2.9], [1.0, 3.1]], 3.0).tolist()
     [False, True]
@@ -41,7 +41,7 @@ def difference_test(norms, threshold):
 
     norms: (..., 2 or more), best first; c >= 0. Under normal noise the best is then exp(c / 2) times as likely as the second.
     Raises ValueError for a negative threshold.
-    Source: Tiberius and de Jonge (1995), DSNS-95; Verhagen and Teunissen (2006), eq. 18.
+    Source: Tiberius and de Jonge (1995), DSNS-95, paper 30.
 
     >>> difference_test([[1.0, 9.0], [1.0, 14.0]], 12.0).tolist()
     [False, True]
@@ -52,14 +52,14 @@ def difference_test(norms, threshold):
 
 
 def projector_test(a_hat, Q, candidates, threshold):
-    """Return True (...) where the residual a_hat - a_1, looked at along the line to the second best, is short enough.
+    """Return True (...) where the float ambiguities have not moved far from the best towards the second best.
 
-    |(a_2 - a_1)' Q^-1 (a_hat - a_1)| / |a_2 - a_1|_Q <= c
+    (a_2 - a_1)' Q^-1 (a_hat - a_1) / |a_2 - a_1|_Q <= c
 
-    The left side is a standard normal number if a_1 is right. a_hat: (..., n) [cycles]; Q: (n, n) [cycles^2];
-    candidates: (..., 2 or more, n), best first; c >= 0, in sigmas. Raises ValueError for a negative threshold, or where Q is
-    not a covariance matrix.
-    Source: Wang, Stewart and Tsakiri (1998), J. Geodesy 72:644-653; Verhagen and Teunissen (2006), eq. 19.
+    The left side is a length in sigmas, from 0 to half of the way |a_2 - a_1|_Q, where the two change places. a_hat:
+    (..., n) [cycles]; Q: (n, n) [cycles^2]; candidates: (..., 2 or more, n), best first; c >= 0. Raises ValueError for a
+    negative threshold, or where Q is not a covariance matrix.
+    Source: Han (1997), J. Geodesy 71:351-361; Verhagen and Teunissen (2006), J. Guidance, Control, and Dynamics 29:981-991.
 
     >>> candidates = [[0, 0], [1, 0]]
     >>> [bool(projector_test([x, 0.4], 0.04 * np.eye(2), candidates, 1.5)) for x in (0.2, 0.4)]      # 1 and 2 sigma
@@ -68,9 +68,8 @@ def projector_test(a_hat, Q, candidates, threshold):
     a_hat, candidates, Q = np.asarray(a_hat, dtype=np.float64), np.asarray(candidates, dtype=np.float64), checked_covariance(Q)
     _check_not_negative(threshold)
     a_1, a_2 = candidates[..., 0, :], candidates[..., 1, :]
-    weighted = np.vectorize(np.linalg.solve, signature="(n,n),(n)->(n)")(Q, a_2 - a_1)  # Q^-1 (a_2 - a_1)
-    along = np.vecdot(weighted, a_hat - a_1) / np.sqrt(np.vecdot(weighted, a_2 - a_1))
-    return np.abs(along) <= threshold
+    weighted = np.linalg.solve(Q, (a_2 - a_1)[..., None])[..., 0]  # Q^-1 (a_2 - a_1)
+    return np.vecdot(weighted, a_hat - a_1) <= threshold * np.sqrt(np.vecdot(weighted, a_2 - a_1))
 
 
 class RatioThreshold(NamedTuple):

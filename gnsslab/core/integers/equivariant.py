@@ -6,9 +6,10 @@ less than that of both.
 
 Two bounds make the infinite sum a short one, with a neglected share of the weight that is stated:
 
-* Integer vectors farther than |a_hat - z|^2 = R^2 are left out. Their weight is at most
-  exp(q / 2) (R^2 / n)^(n/2) exp((n - R^2) / 2) of the whole, for R^2 >= n and q the squared distance of the nearest
-  (Chernoff's bound of a chi-square tail; that it holds for sums over integers is a lemma of Banaszczyk 1993).
+* Integer vectors farther than |a_hat - z|^2 = R^2 are left out. Their share of the weight is at most
+  exp(q / 2) (R^2 / n)^(n/2) exp((n - R^2) / 2), for R^2 >= n and q the squared distance of the nearest: Chernoff's bound
+  of the chi-square tail, which holds for sums over integers too, as all weights taken about an integer vector sum up to
+  more than about any other point, and to less than exp(q / 2) times the sum about a_hat (Banaszczyk 1993, Math. Ann. 296:625-635).
 * A variable whose conditional variance d_k is large, given those fixed before it, has so many integers with weight that their
   sum is an integral, up to 2 exp(-2 pi^2 d_k) of it (Poisson's summation). There the mean is c_k, the conditional float value.
 """
@@ -55,7 +56,7 @@ def best_integer_equivariant(a_hat, Q, *, neglected=1e-6, most_integers=MOST_INT
     and of b = `given_integers(solution, a)`, is the least that any estimator reaches which follows a shift by integers:
     least squares and float are such estimators. Returns an EquivariantSolution. Raises ValueError where shapes do not
     fit, Q is no covariance matrix, or a_hat is not finite.
-    Source: Teunissen (2003), J. Geodesy 77:402-410, eq. 25.
+    Source: Teunissen (2003), J. Geodesy 77:402-410.
 
     >>> best_integer_equivariant([0.4], [[0.25]]).a.round(3).tolist()      # -1, 0, 1, 2 have weights 0.02, 0.73, 0.49, 0.01
     [0.387]

@@ -9,7 +9,7 @@ correlation with it:
 
 which is still a vector of real numbers, but a better one. Nothing fixed (k = 0) gives the float solution, everything
 (k = n) the integers.
-Source: Teunissen, Joosten and Tiberius (1999), ION GPS-99:1191-1202; Parkins (2011), GPS Solutions 15:391-402.
+Source: Teunissen, Joosten and Tiberius (1999), ION NTM-99:201-207; Parkins (2011), GPS Solutions 15:391-402.
 """
 
 from typing import NamedTuple
