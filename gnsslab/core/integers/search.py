@@ -18,14 +18,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, factor, raise_status, reduce
+from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, checked_stack, factor, raise_status, reduce
 from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix
 
 NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
 
-_NOT_A_FLOAT, _HAS_NO_FRACTION = -1, -2
+NOT_A_FLOAT, HAS_NO_FRACTION = -1, -2
 _LONGEST = 64.0  # the search needs the subdiagonal of L only; the rest is kept this small against rounding: 64 * 2^-52
-_NO_FRACTION = 2.0**51  # float64 of this size and more come in steps of a half or an integer
+NO_FRACTION = 2.0**51  # float64 of this size and more come in steps of a half or an integer
 
 
 class IntegerSolution(NamedTuple):
@@ -95,15 +95,9 @@ def checked_count(count, name):
 
 def _grouped(a_hat, Q):
     """Return the stack's shape, and (a (groups, m, n), Q (groups, n, n)): m vectors share each Q."""
-    n = Q.shape[-1]
-    if a_hat.shape[-1:] != (n,):
-        raise ValueError(f"a_hat must have one value for each row of Q, {n}, in its last axis; it has shape {a_hat.shape}.")
+    stack, n = checked_stack(a_hat, Q), Q.shape[-1]
     if Q.ndim == 2:
-        return a_hat.shape[:-1], (kernel_input(a_hat.reshape(1, -1, n)), kernel_input(Q[None]))
-    try:
-        stack = np.broadcast_shapes(a_hat.shape[:-1], Q.shape[:-2])
-    except ValueError:
-        raise ValueError(f"The stacks of a_hat {a_hat.shape} and Q {Q.shape} do not fit: one Q, or one for each a_hat.") from None
+        return stack, (kernel_input(a_hat.reshape(1, -1, n)), kernel_input(Q[None]))
     a_hat, Q = np.broadcast_to(a_hat, (*stack, n)), np.broadcast_to(Q, (*stack, n, n))
     return stack, (kernel_input(a_hat.reshape(-1, 1, n)), kernel_input(Q.reshape(-1, n, n)))
 
@@ -121,8 +115,8 @@ def raise_problem(status, group, stack):
     if status > GOOD:
         raise_status(status, np.unravel_index(group, stack) if stack else ())
     what = {
-        _NOT_A_FLOAT: "contains NaN or infinity: leave out the ambiguities that were not estimated",
-        _HAS_NO_FRACTION: "is 2^51 cycles or more, where float64 has no fractions left: subtract an approximate integer first",
+        NOT_A_FLOAT: "contains NaN or infinity: leave out the ambiguities that were not estimated",
+        HAS_NO_FRACTION: "is 2^51 cycles or more, where float64 has no fractions left: subtract an approximate integer first",
     }
     raise ValueError(f"a_hat {what[status]}.")
 
@@ -167,8 +161,8 @@ def split(a, M):
     for v in range(len(a)):
         a_v, n = a[v], len(M)
         for k in range(n):
-            if not abs(a_v[k]) < _NO_FRACTION:
-                return _HAS_NO_FRACTION if abs(a_v[k]) < math.inf else _NOT_A_FLOAT
+            if not abs(a_v[k]) < NO_FRACTION:
+                return HAS_NO_FRACTION if abs(a_v[k]) < math.inf else NOT_A_FLOAT
             M[k][n + v] = a_v[k] - math.floor(a_v[k] + 0.5)
     return GOOD
 
