@@ -6,6 +6,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Ellipse
 from matplotlib.ticker import FixedFormatter, FixedLocator, MaxNLocator, NullFormatter, NullLocator
 
+from gnsslab.figures.ellipses import CHI_SQUARE_95, set_ellipse
 from gnsslab.figures.kept import Scene, new_figure, styled
 from gnsslab.figures.numbers import NumberPaths
 
@@ -13,7 +14,6 @@ BLUES = colormaps["Blues"]
 RIGHT_COLOR, WRONG_COLOR, CLAIM_COLOR, BEST_COLOR = "#0072B2", "#D98200", "#111111", "#777777"
 BINS = np.geomspace(1.0, 100.0, 33)  # of ratios; what is beyond stands in the last one
 HALF_WIDTHS = (5, 10, 20, 30, 50, 75, 100, 200, 500, 1000, 10_000)  # [mm]
-CHI_SQUARE_95 = 5.991  # of two degrees of freedom
 MM = 1e-3
 
 
@@ -140,8 +140,7 @@ class _Cloud:
         dots = (result.solved.baseline - middle)[:, plane] / MM
         self.dots.set_data(*dots.T)
         claimed = CHI_SQUARE_95 * result.solved.Q_baseline[np.ix_(plane, plane)] / MM**2
-        width, height, angle = _axes_of(claimed)
-        self.claim.set(width=width, height=height, angle=angle)
+        set_ellipse(self.claim, (0, 0), claimed)
         reach = 1.05 * max(np.quantile(np.abs(dots), 0.998), np.sqrt(np.diag(claimed).max()))
         half = next(limit for limit in HALF_WIDTHS if limit >= min(reach, HALF_WIDTHS[-1]))
         self.axes.set_xlim(-half, half)
@@ -185,10 +184,3 @@ def _shares(solved, chosen=None):
 def _steps(shares):
     """Return the outline of a histogram, x and y."""
     return np.repeat(BINS, 2), np.concatenate([[0.0], np.repeat(shares, 2), [0.0]])
-
-
-def _axes_of(Q):
-    """Return full width and height and the angle [deg] of the ellipse x' Q^-1 x = 1, Q (2, 2)."""
-    variances, directions = np.linalg.eigh(Q)
-    width, height = 2 * np.sqrt(variances)
-    return width, height, np.degrees(np.arctan2(directions[1, 0], directions[0, 0]))
