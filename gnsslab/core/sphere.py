@@ -84,7 +84,8 @@ def sphere_kernel(c, q, length, b):
     q_max = q[longest]
     t = 0.0  # no term alone may exceed l^2: the root is not left of any t at which one does
     for i in range(p):
-        t = max(t, (abs(c[i]) / length - 1.0) * q_max / q[i] + 1.0)
+        r = q[i] / q_max
+        t = max(t, (abs(c[i]) / length - (1.0 - r)) / r)
     for _ in range(_MOST_STEPS):
         total, slope = 0.0, 0.0
         for i in range(p):

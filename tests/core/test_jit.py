@@ -25,6 +25,9 @@ for n in (1, 2, 5, 9):
     Z, L, d, status = integers.decorrelate_kernel(jit.kernel_input(Q))
     z, norms, nodes = integers.search_kernel(jit.kernel_input((a[0] - np.rint(a[0])) @ np.asarray(Z)), L, d, 3, 1000)
     assert status == integers.GOOD and np.allclose(norms, s.norms[0], rtol=1e-9), "the parts, called as another kernel does"
+    F = rng.standard_normal((3, n))
+    known = integers.constrained_integer_least_squares(a, Q, rng.standard_normal((3, 3)), F @ Q @ F.T + 0.1 * np.eye(3), F @ Q, 1.0)
+    out["answers"].append([known.candidates.tolist(), known.norms.tolist(), known.nodes.tolist(), known.baselines.tolist()])
     out["answers"].append([s.candidates.tolist(), s.norms.tolist(), s.nodes.tolist(), D.Z.tolist(), D.L.tolist(), D.d.tolist()])
 print(json.dumps(out))
 """
@@ -52,7 +55,7 @@ def test_same_answers_with_and_without_compilation(plain, tmp_path):
     pytest.importorskip("numba")
     compiled = run(NUMBA_CACHE_DIR=str(tmp_path), HOME=str(tmp_path))
     assert compiled["compiled"]
-    assert len(plain["answers"]) == 4
+    assert len(plain["answers"]) == 8
     assert compiled["answers"] == plain["answers"]  # to the last bit: same operations in the same order
     assert list(tmp_path.rglob("*.nbi")), "nothing was kept for the next process"
 
