@@ -78,8 +78,12 @@ if COMPILED:
         """Allocate rows x columns integer zeros, indexed as A[i][j]."""
         return np.zeros((rows, columns), dtype=np.int64)
 
+    _FLOAT64 = np.dtype(np.float64)
+
     def kernel_input(array):
         """Prepare an array for a kernel: float64, C-contiguous, writeable (else kernels are compiled once more); no copy where it is that already."""
+        if type(array) is np.ndarray and array.dtype is _FLOAT64 and array.flags.carray:
+            return array  # `require` finds the same, in ten times the time: a tenth of a small search
         return np.require(array, np.float64, "CW")
 
     def kernel_indices(array):
