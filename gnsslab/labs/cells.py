@@ -12,6 +12,7 @@ from gnsslab.core.integers.rounding import integer_bootstrapping, integer_roundi
 from gnsslab.core.integers.search import integer_least_squares
 from gnsslab.core.integers.tree import search_tree
 from gnsslab.core.mixed_model import solve_float
+from gnsslab.figures.integer_words import vector
 from gnsslab.gnss.short_baseline import short_baseline_model
 from gnsslab.gnss.signals import wavelength
 from gnsslab.labs.controls import Choice, Slider, Switch
@@ -20,7 +21,7 @@ from gnsslab.labs.skies import open_sky
 
 MM = 1e-3
 DRAWS = 1000  # a counted share is good to 1.6 %
-MOST_NODES = 80  # that can be told apart in the picture
+MOST_NODES = 80  # that the picture has room for
 KEPT = 8
 UNLIKELY = {2: 13.82, 3: 16.27}  # squared norm that one float vector of a thousand exceeds (chi-square of 2 and 3 degrees of freedom)
 NORTH = np.array([[0.0], [1.0], [0.0]])
@@ -298,7 +299,8 @@ def figure(result):
 
 def drawings():
     """Return the two pictures of the lab."""
-    from gnsslab.figures.cells import build_plane, build_tree
+    from gnsslab.figures.cells import build_plane
+    from gnsslab.figures.search_tree import build_tree
 
     return Drawing("plane", build_plane, 410, 480), Drawing("tree", build_tree, 400, 480)
 
@@ -316,24 +318,15 @@ def readouts(result):
     shown = f"{result.nodes_shown} shown; " if result.nodes_shown < len(result.tree.nodes) else ""
     otherwise = "without decorrelation" if result.settings["decorrelated"] else "with decorrelation"
     return [
-        *(Readout(answer.name.capitalize(), in_words(answer.integers), "", _word_on(answer, result.space)) for answer in result.answers),
+        *(Readout(answer.name.capitalize(), vector(answer.integers), "", _word_on(answer, result.space)) for answer in result.answers),
         Readout("Ratio", f"{result.ratio:.2f}", "", f"second best over best squared norm: {second:.2f} over {best:.2f}"),
         Readout("Nodes", f"{len(result.tree.nodes)}", "", f"tried in the search; {shown}{result.nodes_otherwise} {otherwise}"),
     ]
 
 
-def in_words(integers):
-    """Return an integer vector as it is written by hand.
-
-    >>> in_words(np.array([2, -1]))
-    '(2, \\u22121)'
-    """
-    return "(" + ", ".join(f"{k}".replace("-", "\N{MINUS SIGN}") for k in integers) + ")"
-
-
 def _word_on(answer, space):
     sigma = np.sqrt(answer.promised * (1 - answer.promised) / DRAWS)
-    as_a = f", a = {in_words(space.back @ answer.integers)}" if space.letter == "z" and not answer.is_right else ""
+    as_a = f", a = {vector(space.back @ answer.integers)}" if space.letter == "z" and not answer.is_right else ""
     rate = f"promised {100 * answer.promised:.1f} %, counted {100 * answer.counted:.1f} \N{PLUS-MINUS SIGN} {100 * sigma:.1f} %"
     return f"{'right' if answer.is_right else 'wrong'}{as_a}; {rate}"
 
