@@ -22,7 +22,8 @@ HOLLOW = {"fillstyle": "none", "linestyle": "", "markeredgewidth": 2}
 RIGHT_COLOR, WRONG_COLOR, DARK, GREY, EDGE = "#0072B2", "#C05000", "#111111", "#777777", "#9aa5ae"
 TINTS = ("#eef1f4", "#dde4ea", "#f7f1e3")
 FAINT = 0.35  # of what belongs to another plane
-HALF_WIDTHS = (3.6, 4.6, 6.6, 9.6)  # [cycles]
+HALF_WIDTHS = (2.6, 3.6, 4.6, 6.6, 9.6)  # [cycles]
+ROOM_FOR_WORD = 0.6  # [cycles]
 CHI_SQUARE_95 = 5.991  # of two degrees of freedom
 
 
@@ -102,13 +103,14 @@ class _Plane:
         self.ellipse.set(edgecolor=DARK, linewidth=1.3, linestyle="--")
         self.touching.set(edgecolor=MARKS["least squares"]["color"], linewidth=1.5)
         (self.step,) = axes.plot([], [], "-", color=GREY, linewidth=1.2, marker="+", markersize=9, markevery=[0])
+        self.word_before = axes.text(0, 0, "", fontsize=9, color="#555555", va="center", clip_on=True)
         (self.halo,) = axes.plot([], [], "+", color="white", markersize=16, markeredgewidth=4.5)
         (self.cross,) = axes.plot([], [], "+", color=DARK, markersize=14, markeredgewidth=2.2)
 
     @property
     def moving(self):
         """The artists that change with every result, lowest first."""
-        ellipses = (self.before, self.step, self.ellipse, self.touching)
+        ellipses = (self.before, self.step, self.ellipse, self.touching, self.word_before)
         marks = (self.true, *self.answers.values(), self.halo, self.cross)
         return (self.cells, self.answer_cell, self.integers, self.wrong, self.right, self.true_cell, *ellipses, *marks, *self.words)
 
@@ -149,9 +151,11 @@ class _Plane:
         _set_ellipse(self.before, before, CHI_SQUARE_95 * result.space.Q[:2, :2])
         has_moved = not np.array_equal(plane.centre, before)
         self.touching.set_visible(plane.touching is not None)
-        self.before.set_visible(has_moved)
         self.step.set_data(*np.array([before, plane.centre]).T)
-        self.step.set_visible(has_moved)
+        self.word_before.set_position(before)
+        self.word_before.set_text(" before" if np.hypot(*(plane.centre - before)) > ROOM_FOR_WORD else "")
+        for mark in (self.before, self.step, self.word_before):
+            mark.set_visible(has_moved)
 
     def _show_answers(self, result):
         third = result.plane.third
@@ -208,11 +212,9 @@ def _label(space, k):
 
 
 def _title(result):
-    """Return what is said above the plane of three ambiguities: what the third one was taken for."""
-    third = result.plane.third
+    """Return what is said above the plane: whose cells these are and, of three ambiguities, what the third was taken for."""
+    third, cells = result.plane.third, f"cells of {result.settings['estimator']}"
     if third is None:
-        return ""
-    name = indexed(result.space.letter, 2)
-    if result.settings["estimator"] == "rounding":
-        return f"{name} is rounded to {whole(third)}; the others do not hear of it"
-    return f"given {name} = {whole(third)}: the float point has moved, the ellipse shrunk"
+        return cells
+    is_heard = "given" if result.settings["estimator"] != "rounding" else "which pays no heed to"
+    return f"{cells}, {is_heard} {indexed(result.space.letter, 2)} = {whole(third)}"

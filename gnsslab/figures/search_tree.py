@@ -5,16 +5,16 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from gnsslab.core.integers.tree import Outcome
-from gnsslab.figures.integer_words import decimal, indexed, vector, whole
+from gnsslab.figures.integer_words import MINUS, decimal, indexed, vector, whole
 from gnsslab.figures.kept import Scene
 from gnsslab.figures.numbers import NumberPaths
 
 MOST_NODES = 80  # that can be told apart
 WIDTH, HEIGHT = 400, 480  # [CSS px], the picture's units; those below as well
-LEFT, RIGHT, ROOT_Y, BOTTOM_Y = 38, 392, 408, 92
+LEFT, RIGHT, ROOT_Y, BOTTOM_Y = 38, 392, 412, 92
 LARGEST_RADIUS, WIDEST_COLUMN = 11, 60
 NUMBER_WIDTH, NUMBER_HEIGHT = 27, 7  # of a number below a node, with what must be free beside it
-LABEL_WIDTH = 11  # of an integer in a node
+LABEL_WIDTH = 12.5  # of an integer in a node
 BEST_COLOR, CUT_COLOR, DARK = "#0072B2", "#C05000", "#111111"
 NODE_STYLE = {
     Outcome.DOWN: {"markerfacecolor": "white", "markeredgecolor": "#444444"},
@@ -100,7 +100,7 @@ class _Tree:
         is_light = np.array([shown[k].outcome == Outcome.CANDIDATE for k in labelled], dtype=bool)
         self.integers.show([whole(shown[k].integer) for k in labelled], layout.places[labelled], is_light, layout.digits)
         below = list(layout.numbers_below(len(shown)))
-        self.numbers.show([decimal(number) for number, _ in below], [place for _, place in below], np.zeros(len(below), dtype=bool), NUMBER_HEIGHT)
+        self.numbers.show([_short(number) for number, _ in below], [place for _, place in below], np.zeros(len(below), dtype=bool), NUMBER_HEIGHT)
 
     def _show_best(self, shown, layout):
         found = sorted((node.norm, k) for k, node in enumerate(shown) if node.outcome == Outcome.CANDIDATE)[:2]
@@ -163,7 +163,7 @@ class _Layout:
     @property
     def digits(self):
         """Height of the digits in the nodes."""
-        return float(np.clip(self.radius * 0.85, 5.5, 8.5))
+        return float(np.clip(self.radius * 0.9, 6.0, 8.5))
 
     def numbers_below(self, count):
         """Yield each number below the root and the first `count` nodes, and its place: below a parent a float value, below an end its norm."""
@@ -201,6 +201,15 @@ def _children_of(nodes):
 def _points(pixels):
     """Return a size in points of 1/72 inch, CSS px being 1/96."""
     return 0.75 * pixels
+
+
+def _short(number):
+    """Return a number in four places at most, or in as many as its whole part has.
+
+    >>> _short(1.234), _short(23.45), _short(233.58)
+    ('1.23', '23.4', '234')
+    """
+    return decimal(number) if abs(number) < 10 else whole(round(number)) if abs(number) >= 100 else f"{number:.1f}".replace("-", MINUS)
 
 
 def _words_on_step(result, shown):
