@@ -12,8 +12,8 @@ import numpy as np
 from scipy.special import erf
 
 from gnsslab.core.integers.acceptance import threshold_of_fixes
-from gnsslab.core.integers.decorrelation import decorrelate
-from gnsslab.core.integers.rounding import checked_stack, integer_bootstrapping
+from gnsslab.core.integers.decorrelation import checked_problem, decorrelate
+from gnsslab.core.integers.rounding import integer_bootstrapping, integer_rounding
 
 
 class ApertureSolution(NamedTuple):
@@ -35,10 +35,10 @@ def aperture_bootstrapping(a_hat, Q):
     >>> solution.a.tolist(), solution.aperture.round(6).tolist()
     ([[0], [3]], [0.2, 0.8])
     """
-    decorrelation = decorrelate(Q)
-    whole = np.rint(checked_stack(a_hat, Q))
+    a_hat, Q = checked_problem(a_hat, Q)
+    whole, decorrelation = integer_rounding(a_hat), decorrelate(Q)
     z, aperture = _bootstrap((a_hat - whole) @ decorrelation.Z, decorrelation.L, decorrelation.d)
-    return ApertureSolution(decorrelation.restore(z) + whole.astype(np.int64), aperture)
+    return ApertureSolution(whole + decorrelation.restore(z), aperture)
 
 
 def _bootstrap(z_hat, L, d):

@@ -40,6 +40,12 @@ class Decorrelation(NamedTuple):
     d: np.ndarray
 
     @property
+    def Q_z(self):
+        """Covariance of the combinations, L' diag(d) L (..., n, n): exactly symmetric, and without the digits that Z' Q Z loses."""
+        root = np.sqrt(self.d)[..., None] * self.L
+        return root.mT @ root
+
+    @property
     def inverse(self):
         """Z^-1 (..., n, n) int64, exactly: a = inverse' z, for real z as well."""
         inverse = np.empty_like(self.Z)
@@ -56,7 +62,8 @@ class Decorrelation(NamedTuple):
         >>> decorrelation.restore(decorrelation.Z.T @ [100_000_007, -3]).tolist()
         [100000007, -3]
         """
-        whole = np.asarray(z).astype(np.int64)
+        with np.errstate(invalid="ignore"):  # NaN becomes some integer, which it does not equal
+            whole = np.asarray(z).astype(np.int64)
         if not np.array_equal(whole, z):
             raise ValueError("z must be whole numbers, such as integer_least_squares gives; for real z take inverse.mT @ z.")
         return np.matvec(self.inverse.mT, whole)
@@ -159,6 +166,15 @@ def checked_stack(a_hat, Q):
         return np.broadcast_shapes(a_hat.shape[:-1], Q.shape[:-2])
     except ValueError:
         raise ValueError(f"The stacks of a_hat {a_hat.shape} and Q {Q.shape} do not fit: one Q, or one for each a_hat.") from None
+
+
+def checked_problem(a_hat, Q):
+    """Return a_hat (..., n) and one Q (n, n) as float64, or say how they do not fit."""
+    a_hat, Q = np.asarray(a_hat, dtype=np.float64), checked_covariance(Q)
+    checked_stack(a_hat, Q)
+    if Q.ndim != 2:
+        raise ValueError(f"Q must be one covariance matrix (n, n), shared by all a_hat; it has shape {Q.shape}: call this for each.")
+    return a_hat, Q
 
 
 _COMPLAINTS = {

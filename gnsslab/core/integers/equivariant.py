@@ -19,7 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers.decorrelation import checked_covariance, decorrelate
+from gnsslab.core.integers.decorrelation import checked_problem, decorrelate
+from gnsslab.core.integers.rounding import integer_rounding
 from gnsslab.core.integers.search import integer_least_squares
 from gnsslab.core.jit import kernel, kernel_input, matrix
 
@@ -61,9 +62,9 @@ def best_integer_equivariant(a_hat, Q, *, neglected=1e-6, most_integers=MOST_INT
     >>> best_integer_equivariant([0.4], [[0.25]]).a.round(3).tolist()      # -1, 0, 1, 2 have weights 0.02, 0.73, 0.49, 0.01
     [0.387]
     """
-    a_hat, Q = np.asarray(a_hat, dtype=np.float64), checked_covariance(Q)
-    _check(a_hat, Q, neglected, most_integers)
-    whole = np.rint(a_hat)
+    a_hat, Q = checked_problem(a_hat, Q)
+    _check(neglected, most_integers)
+    whole = integer_rounding(a_hat)
     fraction = (a_hat - whole).reshape(-1, len(Q))  # (N, n)
     q = integer_least_squares(fraction, Q, n_best=1).norms[:, 0]  # of the nearest
     decorrelation = decorrelate(Q)
@@ -111,9 +112,7 @@ def _bounds(q, d, neglected, most_integers):
     return R2, np.minimum(np.exp(0.5 * q - 0.5 * n * (x - np.log(x) - 1.0)), 1.0)
 
 
-def _check(a_hat, Q, neglected, most_integers):
-    if Q.ndim != 2:
-        raise ValueError(f"Q must be one covariance matrix (n, n), shared by all a_hat; it has shape {Q.shape}.")
+def _check(neglected, most_integers):
     if not 1e-15 <= neglected < 1:
         raise ValueError(f"neglected is a share of the weight, from 1e-15, which is rounding, to 1; it is {neglected:g}")
     if not most_integers >= 1:

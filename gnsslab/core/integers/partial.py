@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import erf
 
-from gnsslab.core.integers.decorrelation import checked_covariance, decorrelate
+from gnsslab.core.integers.decorrelation import checked_problem, decorrelate
+from gnsslab.core.integers.rounding import integer_rounding
 from gnsslab.core.integers.search import integer_least_squares
 from gnsslab.core.integers.success import success_rate as success_rate_of
 
@@ -55,7 +56,7 @@ def fix_most_certain(a_hat, Q, success_rate=0.999):
     >>> found.z.tolist(), found.a.tolist()
     ([3], [3.0, 5.3])
     """
-    Q = _one_covariance(Q)
+    a_hat, Q = checked_problem(a_hat, Q)
     _check_success_rate(success_rate)
     Z, _, d = decorrelate(Q)
     together = np.cumprod(erf(1.0 / np.sqrt(8.0 * d[::-1])))  # of the last 1, 2, ... n
@@ -72,7 +73,7 @@ def fix_subset(a_hat, Q, success_rate=0.999, leave_out=None):
     >>> fix_subset([3.1, 5.3], np.diag([0.0025, 0.36])).C.tolist()
     [[1], [0]]
     """
-    Q = _one_covariance(Q)
+    a_hat, Q = checked_problem(a_hat, Q)
     _check_success_rate(success_rate)
     for kept in subsets(Q, leave_out):
         if success_rate_of(Q[np.ix_(kept, kept)]) >= success_rate:
@@ -91,7 +92,7 @@ def fix_accepted_subset(a_hat, Q, accept, leave_out=None):
     >>> found.z.tolist(), found.fixed
     ([3], 1)
     """
-    Q, a_hat = _one_covariance(Q), np.asarray(a_hat, dtype=np.float64)
+    a_hat, Q = checked_problem(a_hat, Q)
     if a_hat.ndim != 1:
         raise ValueError(f"a_hat must be one float vector (n,), as each may be accepted with other ambiguities; it has shape {a_hat.shape}.")
     for kept in subsets(Q, leave_out):
@@ -126,13 +127,12 @@ def fix_combinations(a_hat, Q, C):
     >>> fix_combinations([3.1, 5.3], [[0.5, 0.4], [0.4, 0.5]], [[1], [-1]]).z.tolist()       # the difference -2.2
     [-2]
     """
-    a_hat, Q, C = np.asarray(a_hat, dtype=np.float64), _one_covariance(Q), np.asarray(C, dtype=np.int64)
-    if a_hat.shape[-1:] != (len(Q),) or C.ndim != 2 or len(C) != len(Q):
-        raise ValueError(f"a_hat must end with, and C begin with, the {len(Q)} ambiguities of Q; they have shapes {a_hat.shape} and {C.shape}.")
+    a_hat, Q = checked_problem(a_hat, Q)
+    C = _checked_combinations(C, len(Q))
     if C.shape[1] == 0:
         stack = a_hat.shape[:-1]
         return PartialSolution(a_hat.copy(), Q.copy(), C, np.empty((*stack, 0), dtype=np.int64), np.empty((*stack, 0)), 1.0)
-    whole = np.rint(a_hat)  # large integers would cost digits in C' a_hat
+    whole = integer_rounding(a_hat)  # large integers would cost digits in C' a_hat
     Q_z = _symmetric(C.T @ Q @ C)
     z_hat = (a_hat - whole) @ C
     solution = integer_least_squares(z_hat, Q_z)
@@ -141,7 +141,7 @@ def fix_combinations(a_hat, Q, C):
         a=a_hat - np.matvec(gain, z_hat - solution.best),
         Q_a=_symmetric(Q - gain @ (C.T @ Q)),
         C=C,
-        z=solution.best + whole.astype(np.int64) @ C,
+        z=solution.best + whole @ C,
         norms=solution.norms,
         success_rate=float(success_rate_of(Q_z)),
     )
@@ -167,11 +167,11 @@ def given_combinations(solution, C, z):
     return b, solution.Q_b - gain @ np.swapaxes(Q_bz, -1, -2)
 
 
-def _one_covariance(Q):
-    Q = checked_covariance(Q)
-    if Q.ndim != 2:
-        raise ValueError(f"Q must be one covariance matrix (n, n), as each could have other ambiguities fixed; it has shape {Q.shape}.")
-    return Q
+def _checked_combinations(C, n):
+    C = np.asarray(C)
+    if C.ndim != 2 or len(C) != n or not np.issubdtype(C.dtype, np.integer):
+        raise ValueError(f"C must be integers (n, k), a row for each of the {n} ambiguities; it has shape {C.shape}, type {C.dtype}.")
+    return C
 
 
 def _check_success_rate(success_rate):
