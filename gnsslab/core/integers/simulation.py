@@ -16,11 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers.decorrelation import decorrelate, ltdl
-from gnsslab.core.integers.search import integer_least_squares
+from gnsslab.core.integers.decorrelation import checked_covariance, decorrelate, ltdl
+from gnsslab.core.integers.search import checked_count, integer_least_squares
 from gnsslab.core.jit import kernel, kernel_input, matrix
 
-_CHUNK = 10_000  # samples to a child generator: enough to be worth sending away, few enough for a bar that moves
+_CHUNKS = 100  # as many child generators: a bar that moves by one per cent
+_SMALLEST, _LARGEST = 5_000, 100_000  # samples of a chunk: worth sending away (2 ms of work); not too long to wait for
 _BLOCK = 1_000  # samples drawn at a time: small enough to stay in the cache
 _NODES = 1_000_000  # a sample that needs more is undecided
 _TWO_SIDED_95 = 1.959963984540054  # quantile of the normal distribution
@@ -89,10 +90,11 @@ def simulate_success(Q, rng, samples=100_000, *, bias=None, executor=None, progr
     >>> rate.interval[0] < 0.6827 < rate.interval[1]
     True
     """
-    samples = _checked_samples(samples)
+    Q, bias, samples, rng = _checked(Q, bias, samples, rng)
     Z, L, d = decorrelate(Q)
-    mean = _whitened(Z.T @ _checked_bias(bias, len(d)), L, d)
-    sizes = [_CHUNK] * (samples // _CHUNK) + [samples % _CHUNK] * (samples % _CHUNK > 0)
+    mean = np.linalg.solve(L.T, Z.T @ bias) / np.sqrt(d)  # of x
+    node_limit = checked_count(node_limit, "node_limit")
+    sizes = _chunks(samples)
     jobs = [(mean, L, d, node_limit, child, size) for child, size in zip(rng.spawn(len(sizes)), sizes, strict=True)]
     successes = undecided = done = 0
     for size, right, open_ in _results(jobs, executor):
@@ -102,22 +104,22 @@ def simulate_success(Q, rng, samples=100_000, *, bias=None, executor=None, progr
     return SimulatedRate(successes, samples, undecided)
 
 
-def _checked_samples(samples):
-    if samples < 1 or samples != int(samples):
-        raise ValueError(f"samples must be a whole number, 1 or more; it is {samples}.")
-    return int(samples)
-
-
-def _checked_bias(bias, n):
+def _checked(Q, bias, samples, rng):
+    Q, n = checked_covariance(Q), np.shape(Q)[-1]
     bias = np.zeros(n) if bias is None else np.asarray(bias, dtype=np.float64)
+    if Q.ndim != 2:
+        raise ValueError(f"Q must be one covariance matrix (n, n), simulated on its own; it has shape {Q.shape}.")
     if bias.shape != (n,) or not np.isfinite(bias).all():
         raise ValueError(f"bias must be one finite number of cycles for each of the {n} ambiguities; it is {bias}.")
-    return bias
+    if not isinstance(rng, np.random.Generator):
+        raise ValueError(f"rng must be a Generator, such as numpy.random.default_rng(seed) gives; it is {rng!r}.")
+    return Q, bias, checked_count(samples, "samples"), rng
 
 
-def _whitened(z, L, d):
-    """Return x with z = L' D^(1/2) x."""
-    return np.linalg.solve(L.T, z) / np.sqrt(d)
+def _chunks(samples):
+    """Return the sizes of the chunks, which follow from the number of samples alone."""
+    size = min(max(samples // _CHUNKS, _SMALLEST), _LARGEST)
+    return [size] * (samples // size) + [samples % size] * (samples % size > 0)
 
 
 def _results(jobs, executor):
@@ -160,7 +162,8 @@ class SimulatedFixes(NamedTuple):
     @property
     def ratio(self):
         """Second best over best squared norm (N,)."""
-        return self.norms[:, 1] / self.norms[:, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.norms[:, 1] / self.norms[:, 0]
 
     def __repr__(self):
         N, n = self.a_hat.shape
@@ -179,9 +182,9 @@ def simulate_fixes(Q, rng, samples, *, bias=None):
     >>> fixes.is_right.tolist()
     [True, True, True]
     """
+    Q, bias, samples, rng = _checked(Q, bias, samples, rng)
     L, d = ltdl(Q)
-    x = rng.standard_normal((_checked_samples(samples), len(d)))
-    a_hat = _checked_bias(bias, len(d)) + (x * np.sqrt(d)) @ L
+    a_hat = bias + (np.sqrt(d) * rng.standard_normal((samples, len(d)))) @ L  # (N, n)
     solution = integer_least_squares(a_hat, Q)
     return SimulatedFixes(a_hat, solution.best, np.all(solution.best == 0, axis=-1), solution.norms, solution.complete)
 

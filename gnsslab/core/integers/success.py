@@ -96,7 +96,7 @@ def success_bounds(Q, *, node_limit=_NODES):
     """Return what can be said of the success rate without simulation, for the ambiguities as they stand.
 
     Q: (n, n) or (..., n, n) [cycles^2]; bootstrapped, variance_lower and the eigenvalue bounds are better after
-    decorrelation (call it with Z' Q Z as well), the others stay. Returns SuccessBounds. Raises ValueError where Q is not
+    decorrelation (call it with `decorrelate(Q).Q_z` as well), the others stay. Returns SuccessBounds. Raises ValueError where Q is not
     a covariance matrix.
     Source: collected in Verhagen (2005), Navigation 52:99-110, and Verhagen, Li and Teunissen (2013), Computers &
     Geosciences 54:361-376; the single ones below.
@@ -146,9 +146,10 @@ def _pull_in_bounds(Q, node_limit):
     P(chi2_n <= min z' Q^-1 z / 4). The region lies inside the slabs |v_i| <= 1/2, v_i = z_i' Q^-1 a / z_i' Q^-1 z_i.
     Source: Hassibi and Boyd (1998); Teunissen (1998), Artificial Satellites 33:49-64.
     """
-    _, L, d = decorrelate(Q)
+    decorrelation = decorrelate(Q)
+    _, L, d = decorrelation
     n = d.shape[-1]
-    near = integer_least_squares(np.zeros(d.shape), L.mT @ (d[..., None] * L), n_best=4 * n + 1, node_limit=node_limit)
+    near = integer_least_squares(np.zeros(d.shape), decorrelation.Q_z, n_best=4 * n + 1, node_limit=node_limit)
     shortest = np.where(near.complete, near.norms[..., 1], 1.0 / np.max(d, axis=-1))  # no vector is shorter than the latter
     upper = np.empty(d.shape[:-1])
     for index in np.ndindex(upper.shape):

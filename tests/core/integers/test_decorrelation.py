@@ -1,4 +1,4 @@
-"""Decorrelation: what it must keep, what it must reach, and what it refuses."""
+"""Decorrelation and factors: what they must keep, what must be reached, the way back, and what is refused."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from obvious import covariance
 
-from gnsslab.core.integers import decorrelate
+from gnsslab.core.integers import decorrelate, ltdl
 
 cases = st.tuples(st.integers(1, 12), st.integers(0, 2**32 - 1), st.floats(0.0, 6.0))
 
@@ -38,6 +38,8 @@ def test_factors_multiply_back(case):
     Z, L, d = decorrelate(Q)
     rounding = 1e-13 * np.abs(Z.T) @ np.abs(Q) @ np.abs(Z)
     assert np.all(np.abs(Z.T @ Q @ Z - L.T @ np.diag(d) @ L) <= rounding)
+    assert np.all(np.abs(Z.T @ Q @ Z - decorrelate(Q).Q_z) <= rounding)
+    assert np.array_equal(decorrelate(Q).Q_z, decorrelate(Q).Q_z.T)
 
 
 @settings(max_examples=100, deadline=None)
@@ -85,6 +87,72 @@ def test_sixty_ambiguities(rng):
     assert np.isclose(np.sum(np.log(d)), 60 * np.log(1e-2), atol=1e-2)  # det Q; its log is good to cond(Q) * 2e-16 * n
 
 
+@settings(max_examples=100, deadline=None)
+@given(cases)
+def test_factors_without_decorrelation_multiply_back(case):
+    Q = matrix_of(*case)
+    L, d = ltdl(Q)
+    assert np.array_equal(np.diag(L), np.ones(len(d)))
+    assert np.array_equal(L, np.tril(L))
+    assert np.all(np.abs(L.T @ np.diag(d) @ L - Q) <= 1e-13 * np.max(Q))
+
+
+@settings(max_examples=100, deadline=None)
+@given(cases)
+def test_factors_are_the_conditional_variances(case):
+    """d_i is the variance of a_i once all later ones are known: Q_ii less what they tell, by the covariance of all of them."""
+    Q = matrix_of(*case)
+    for i, d_i in enumerate(ltdl(Q).d):
+        told = Q[i, i + 1 :] @ np.linalg.solve(Q[i + 1 :, i + 1 :], Q[i + 1 :, i])
+        assert abs(Q[i, i] - told - d_i) <= 1e-12 * Q[i, i]
+
+
+def test_factors_of_sixty_ambiguities_a_trillion_wide(rng):
+    basis = np.linalg.qr(rng.standard_normal((60, 60)))[0]
+    Q = basis @ np.diag(np.geomspace(1e-8, 1e4, 60)) @ basis.T
+    Q = (Q + Q.T) / 2
+    L, d = ltdl(Q)
+    assert np.all(np.abs(L.T @ np.diag(d) @ L - Q) <= 1e-14 * np.max(Q))
+    assert np.isclose(np.sum(np.log(d)), 60 * np.log(1e-2), atol=1e-2)
+
+
+def test_factors_of_a_stack_equal_one_by_one(rng):
+    Q = np.array([[covariance(5, rng) for _ in range(3)] for _ in range(2)])
+    Q.flags.writeable = False
+    L, d = ltdl(Q)
+    assert (L.shape, d.shape) == ((2, 3, 5, 5), (2, 3, 5))
+    for index in np.ndindex(2, 3):
+        assert np.allclose(L[index], ltdl(Q[index]).L, rtol=1e-12, atol=1e-12)
+        assert np.allclose(d[index], ltdl(Q[index]).d, rtol=1e-12)
+    assert ltdl(np.empty((0, 2, 2))).d.shape == (0, 2)
+
+
+@settings(max_examples=100, deadline=None)
+@given(cases, st.integers(0, 2**50))
+def test_the_way_back_is_exact(case, largest):
+    decorrelation = decorrelate(matrix_of(*case))
+    a = np.random.default_rng(case[1]).integers(-largest, largest, (3, case[0]), endpoint=True)
+    z = a.astype(object) @ decorrelation.Z.astype(object)  # Python's integers: no overflow
+    within = np.all(np.abs(z) < 2**63, axis=-1)
+    assert np.array_equal(decorrelation.restore(z[within].astype(np.int64)), a[within])
+    assert np.array_equal(decorrelation.inverse.astype(object) @ decorrelation.Z, np.eye(case[0]))
+
+
+def test_the_way_back_of_a_stack(rng):
+    Q = np.array([[covariance(5, rng) for _ in range(3)] for _ in range(2)])
+    decorrelation, a = decorrelate(Q), rng.integers(-99, 99, (2, 3, 5))
+    assert np.array_equal(decorrelation.restore(np.matvec(decorrelation.Z.mT, a)), a)
+    assert decorrelate(np.empty((0, 2, 2))).inverse.dtype == np.int64
+
+
+def test_the_way_back_is_for_whole_numbers():
+    with pytest.raises(ValueError, match=r"z must be whole numbers.*inverse\.mT @ z"):
+        decorrelate(np.eye(2)).restore([1.0, 0.5])
+    with pytest.raises(ValueError, match="z must be whole numbers"):
+        decorrelate(np.eye(2)).restore([1.0, np.nan])
+
+
+@pytest.mark.parametrize("function", [decorrelate, ltdl])
 @pytest.mark.parametrize(
     ("Q", "message"),
     [
@@ -92,8 +160,12 @@ def test_sixty_ambiguities(rng):
         ([[1.0, 1.0], [1.0, 1.0]], "Q is not positive definite"),
         ([[[1.0]], [[np.nan]]], r"Q\[1\] contains NaN"),
         ([[1.0, 0.0]], r"shape \(1, 2\)"),
+        ([[np.inf, 0.0], [0.0, 1.0]], "Q contains NaN or infinity"),
+        ([[1.0, 0.0], [0.0, -1.0]], "Q is not positive definite"),
+        ([[1.0, 1e-3], [0.0, 1.0]], "Q is not symmetric"),
+        ([[[[1.0]], [[0.0]]]], r"Q\[0, 1\] is not positive definite"),
     ],
 )
-def test_bad_covariances_are_explained(Q, message):
+def test_bad_covariances_are_explained(function, Q, message):
     with pytest.raises(ValueError, match=message):
-        decorrelate(Q)
+        function(Q)
