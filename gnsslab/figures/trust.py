@@ -18,7 +18,7 @@ LOWEST_RATE, HIGHEST_RATE = 0.004, 0.99997  # what is beyond stands at the edge,
 LEAST_SHARE = 0.005  # [%], foot of the histogram: half of one epoch in 10 000
 BELOW = LEAST_SHARE / 2  # where nothing stands: out of sight
 ROWS_OF_BARS = 5
-ROWS = ("counted", "bootstrapping", "ADOP", "variances,\nball", "pull-in\nregion", "eigenvalues")
+ROWS = ("counted", "bootstrapping", "ADOP", "variances\nand ADOP", "pull-in\nregion", "eigenvalues")
 
 
 def plot_trust(result, figure=None):
@@ -74,10 +74,10 @@ class _Rates:
         axes.axhline(len(ROWS) - 1.5, color=FAINT, linewidth=0.8)
         (self.line,) = axes.plot([], [], "--", color=DARK, linewidth=1.0)
         (self.bar,) = axes.plot([], [], color=DARK, linewidth=2.2, solid_capstyle="butt")
-        (self.count,) = axes.plot([], [], "o", color=DARK, markersize=8)
-        (self.unbiased,) = axes.plot([], [], "o", color=DARK, markersize=8, fillstyle="none")
-        (self.bootstrapped,) = axes.plot([], [], ">", color=RIGHT, markersize=9)
-        (self.adop,) = axes.plot([], [], "D", color=WRONG, markersize=7)
+        (self.count,) = axes.plot([], [], "o", color=DARK, markersize=8, clip_on=False)
+        (self.unbiased,) = axes.plot([], [], "o", color=DARK, markersize=8, fillstyle="none", clip_on=False)
+        (self.bootstrapped,) = axes.plot([], [], ">", color=RIGHT, markersize=9, clip_on=False)
+        (self.adop,) = axes.plot([], [], "D", color=WRONG, markersize=7, clip_on=False)
         self.bounds = [axes.plot([], [], "|-", color=BOUNDS, linewidth=3, markersize=11, markeredgewidth=2)[0] for _ in ROWS[3:]]
         self.texts = [axes.text(1.03, row, "", transform=axes.get_yaxis_transform(), va="center", fontsize=9.5) for row in self.rows.values()]
 
@@ -176,7 +176,7 @@ _OF_RATIO = _Look("ratio: second best over best", np.geomspace(1, 100, 41), (1, 
 LOOKS = {
     "ratio": _OF_RATIO,
     "tolerated": _OF_RATIO,
-    "difference": _Look("difference: second best minus best", np.geomspace(0.1, 1000, 41), (0.1, 1, 10, 100, 1000), log=True),
+    "difference": _Look("difference: second best minus best", np.geomspace(0.1, 200, 41), (0.1, 1, 10, 100), log=True),
     "projector": _Look("projector: towards the second best [sigmas]", np.linspace(0, 8, 41), tuple(range(9)), log=False),
 }
 

@@ -72,7 +72,7 @@ PRESETS = (
     Preset("biased-tolerated", "Multipath, tolerated", BIASED | {"test": "tolerated"},
            "By its model no test is needed, so the fixed failure rate fixes every epoch, 44 % of them wrong: it knows no more than the promise."),
     Preset("all-wrong", "All fixes wrong", FIVE | {"code_noise": 0.2, "code_bias": 3.5},
-           "99.4 % promised, none right. The ratio rejects nine epochs of ten, but what passes is wrong, up to ratios of 10."),
+           "99.4 % promised, none right. The ratio rejects nine epochs of ten, but what passes is wrong, even at ratios above 10."),
     Preset("difference", "Difference", {"test": "difference", "threshold": 12},
            "Second best minus best: at 12 the odds are 400 to 1. A few more right fixes pass than with a ratio of 3."),
     Preset("projector", "Projector", {"test": "projector", "threshold": 2},
@@ -215,7 +215,7 @@ def claims(Q):
     pairs = (
         ("bootstrapping", known.bootstrapped, known.bootstrapped),
         ("ADOP", known.adop, known.adop),
-        ("variances, ball", known.variance_lower, known.adop_upper),
+        ("variances and ADOP", known.variance_lower, known.adop_upper),
         ("pull-in region", known.pull_in_lower, known.pull_in_upper),
         ("eigenvalues", known.eigenvalue_lower, known.eigenvalue_upper),
     )
