@@ -49,7 +49,7 @@ PRESETS = (
     Preset("trees", "One behind trees", {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 1},
            "One poor satellite, and the ratio test refuses nine epochs of ten; fix all ambiguities but the poor one, and you have millimetres."),
     Preset("single", "Single ones", {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 2, "risk": 0.001, "subset": "single"},
-           "Ambiguities as they are: at this risk none can be fixed. Choose combinations under more, and eleven of fourteen can: centimetres at once."),
+           "Ambiguities as they are: at this risk none can be fixed. Choose combinations under more, and eleven of fourteen can: a centimetre."),
     Preset("five", "Five satellites", {"satellites": 5, "frequencies": 2, "code_noise": 0.2, "risk": 0.005},
            "Too few for all integers at this risk: six combinations of the eight can be had, and the float error falls to a third."),
     Preset("weak", "Better left alone", {"satellites": 7, "code_noise": 0.3},
