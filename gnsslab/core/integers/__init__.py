@@ -32,6 +32,7 @@ from gnsslab.core.integers.rounding import integer_bootstrapping, integer_roundi
 from gnsslab.core.integers.search import IntegerSolution, fix_groups, integer_least_squares, search_kernel
 from gnsslab.core.integers.simulation import SimulatedFixes, SimulatedRate, simulate_fixes, simulate_success
 from gnsslab.core.integers.success import SuccessBounds, adop, adop_success_rate, success_bounds, success_rate
+from gnsslab.core.integers.tree import SearchTree, search_tree
 
 __all__ = [
     "GOOD",
@@ -44,6 +45,7 @@ __all__ = [
     "LtDL",
     "PartialSolution",
     "RatioThreshold",
+    "SearchTree",
     "SimulatedFixes",
     "SimulatedRate",
     "SuccessBounds",
@@ -73,6 +75,7 @@ __all__ = [
     "projector_test",
     "ratio_test",
     "search_kernel",
+    "search_tree",
     "simulate_fixes",
     "simulate_success",
     "success_bounds",
