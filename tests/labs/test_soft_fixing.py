@@ -68,8 +68,8 @@ def test_presets_show_what_they_promise(at_presets):
     assert combined.rms["partial"] < 10 * MM < rms["single"]["partial"]
     assert (at_presets["five"].fixed, len(at_presets["five"].risks)) == (6, 8)
     assert rms["five"]["partial"] == pytest.approx(rms["five"]["float"] / 3, rel=0.1)
-    assert rms["weak"]["fixed"] > rms["weak"]["float"] > rms["weak"]["soft"]
-    strong = rms["strong"]
+    assert rms["left-alone"]["fixed"] > rms["left-alone"]["float"] > rms["left-alone"]["soft"]
+    strong = rms["plenty"]
     assert max(strong[way] for way in strong if way != "float") < 1.02 * min(strong.values())
 
 
