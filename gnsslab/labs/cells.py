@@ -33,7 +33,7 @@ ESTIMATORS = ("rounding", "bootstrapping", "least squares")
 
 CONTROLS = (
     Choice("ambiguities", "Ambiguities", {"two": 2, "three": 3}, 2, help="Three: the picture is the plane that is left once the third is chosen."),
-    Choice("estimator", "Cells of", {name: name for name in ESTIMATORS}, "least squares",
+    Choice("estimator", "Cells", {name: name for name in ESTIMATORS}, "least squares",
            help="A cell holds all float points that this estimator takes to the same integers."),
     Switch("decorrelated", "Decorrelated", False, help="The same experiment in the combinations z = Z' a."),
     Slider("float_1", "Float value 1", -4, 4, 0.02, 1.5, "cycles", help="Of the first ambiguity, counted from the true integer."),
@@ -327,8 +327,8 @@ def readouts(result):
 def _word_on(answer, space):
     sigma = np.sqrt(answer.promised * (1 - answer.promised) / DRAWS)
     as_a = f", a = {vector(space.back @ answer.integers)}" if space.letter == "z" and not answer.is_right else ""
-    rate = f"promised {100 * answer.promised:.1f} %, counted {100 * answer.counted:.1f} \N{PLUS-MINUS SIGN} {100 * sigma:.1f} %"
-    return f"{'right' if answer.is_right else 'wrong'}{as_a}; {rate}"
+    rate = f"success rate {100 * answer.promised:.1f} %, counted {100 * answer.counted:.1f} \N{PLUS-MINUS SIGN} {100 * sigma:.1f} %"
+    return f"{_word(answer)} here{as_a}; {rate}"
 
 
 def table(result):
