@@ -86,6 +86,21 @@ LESSONS = (
         ),
         ("gnsslab.labs.cancelling:cancelling_lab", "gnsslab.labs.correlation:correlation_lab"),
     ),
+    Lesson(
+        "03",
+        "03_why_integers_make_centimetres.py",
+        "Why integers make centimetres",
+        "Ten whole numbers lie between half a metre and a centimetre. How they are found, and why rounding does not do.",
+        60,
+        "lesson 02; what an ellipse and a determinant are",
+        (
+            "get float and fixed positions out of the same measurements, and say what lies between them",
+            "tell rounding, bootstrapping and least squares apart, and say how often each is right",
+            "decorrelate two ambiguities by hand, and say what stays and what changes",
+            "read success rate and ADOP before you have measured anything",
+        ),
+        ("gnsslab.labs.centimetres:centimetres_lab", "gnsslab.labs.cells:cells_lab", "gnsslab.labs.spectrum:spectrum_lab"),
+    ),
 )
 
 
