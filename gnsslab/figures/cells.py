@@ -101,7 +101,7 @@ class _Plane:
         self.before, self.ellipse, self.touching = (axes.add_patch(Ellipse((0, 0), 1, 1, fill=False)) for _ in range(3))
         self.before.set(edgecolor=GREY, linewidth=1.2, linestyle=":")
         self.ellipse.set(edgecolor=DARK, linewidth=1.3, linestyle="--")
-        self.touching.set(edgecolor=MARKS["least squares"]["color"], linewidth=1.5)
+        self.touching.set(label="grown", edgecolor=MARKS["least squares"]["color"], linewidth=1.5)
         (self.step,) = axes.plot([], [], "-", color=GREY, linewidth=1.2, marker="+", markersize=9, markevery=[0])
         self.word_before = axes.text(0, 0, "", fontsize=9, color="#555555", va="center", clip_on=True)
         (self.halo,) = axes.plot([], [], "+", color="white", markersize=16, markeredgewidth=4.5)

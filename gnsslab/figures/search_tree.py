@@ -53,7 +53,7 @@ class _Tree:
         self.edges = axes.add_collection(LineCollection([], colors="#b5bcc2", linewidths=1.0))
         self.path = axes.add_collection(LineCollection([], colors=BEST_COLOR, linewidths=2.6))
         self.strikes = axes.add_collection(LineCollection([], colors=CUT_COLOR, linewidths=1.6))
-        self.nodes = {outcome: axes.plot([], [], "o", markeredgewidth=1.3, **style)[0] for outcome, style in NODE_STYLE.items()}
+        self.nodes = {key: axes.plot([], [], "o", markeredgewidth=1.3, label=NODE_WORDS[key], **style)[0] for key, style in NODE_STYLE.items()}
         (self.now,) = axes.plot([], [], "o", fillstyle="none", color=DARK, markeredgewidth=2)
         self.integers, self.numbers = NumberPaths(axes), NumberPaths(axes)
         self.ranks = [axes.text(0, 0, text, fontsize=9, ha="center", va="top", fontweight="bold", color=BEST_COLOR) for text in ("best", "2nd")]
