@@ -14,7 +14,7 @@ WIDTH, HEIGHT = 400, 480  # [CSS px], the picture's units; those below as well
 LEFT, RIGHT, ROOT_Y, BOTTOM_Y = 38, 392, 412, 92
 LARGEST_RADIUS, WIDEST_COLUMN = 11, 60
 NUMBER_WIDTH, NUMBER_HEIGHT = 27, 7  # of a number below a node, with what must be free beside it
-LABEL_WIDTH = 12.5  # of an integer in a node
+DIGIT_WIDTH = 0.8  # of the digit's height
 BEST_COLOR, CUT_COLOR, DARK = "#0072B2", "#C05000", "#111111"
 NODE_STYLE = {
     Outcome.DOWN: {"markerfacecolor": "white", "markeredgecolor": "#444444"},
@@ -96,7 +96,7 @@ class _Tree:
         self.now.set_markersize(_points(2 * layout.radius + 5))
 
     def _show_numbers(self, shown, layout):
-        labelled = [k for k, node in enumerate(shown) if layout.spacing[node.level] >= LABEL_WIDTH]
+        labelled = [k for k, node in enumerate(shown) if layout.room[k] >= DIGIT_WIDTH * layout.digits * len(whole(node.integer)) + 1]
         is_light = np.array([shown[k].outcome == Outcome.CANDIDATE for k in labelled], dtype=bool)
         self.integers.show([whole(shown[k].integer) for k in labelled], layout.places[labelled], is_light, layout.digits)
         below = list(layout.numbers_below(len(shown)))
@@ -125,7 +125,8 @@ class _Layout:
         x = (LEFT + RIGHT) / 2 + (columns + 0.5 - ends / 2) * self.width
         self.places = np.column_stack([x, [self.row_y(node.level) for node in nodes]])
         self.root = np.array([self.places[self._children[-1], 0].mean(), ROOT_Y + self.radius])
-        self.spacing = [self._spacing_of(level) for level in range(levels)]
+        self.room = self._distances_of_neighbours()
+        self.spacing = [min(room for node, room in zip(nodes, self.room, strict=True) if node.level == level) for level in range(levels)]
 
     def row_y(self, level):
         """Return the height of a level."""
@@ -184,10 +185,12 @@ class _Layout:
                 columns[k], ends = ends, ends + 1
         return ends
 
-    def _spacing_of(self, level):
-        """Return the least distance of two neighbours at a level."""
-        x = np.sort([place[0] for node, place in zip(self.nodes, self.places, strict=True) if node.level == level])
-        return float(np.min(np.diff(x))) if len(x) > 1 else WIDTH
+    def _distances_of_neighbours(self):
+        """Return how far each node (k,) is from the nearest other at its level."""
+        apart = np.abs(self.places[:, 0] - self.places[:, :1])  # (k, k)
+        level = self.places[:, 1]
+        is_neighbour = (level == level[:, np.newaxis]) & ~np.eye(len(level), dtype=bool)
+        return np.min(np.where(is_neighbour, apart, WIDTH), axis=1)
 
 
 def _children_of(nodes):
