@@ -25,19 +25,13 @@ def plot_trust(result, figure=None):
     """Draw both pictures of a TrustResult side by side; return the Figure."""
     with styled():
         figure = figure if figure is not None else new_figure(860, 480)
-        promised, believed = figure.subfigures(1, 2, width_ratios=(400, 460))
-        for build, part in ((build_promised, promised), (build_believed, believed)):
+        tests, promised = figure.subfigures(1, 2, width_ratios=(460, 400))
+        for build, part in ((build_tests, tests), (build_promised, promised)):
             build(part).show(result)
     return figure
 
 
-def build_promised(figure):
-    """Lay out one row for the count and one for each claim; show(result) fills them in."""
-    rates = _Rates(figure.add_axes((0.245, 0.12, 0.55, 0.76)))
-    return Scene(rates.moving, rates.show)
-
-
-def build_believed(figure):
+def build_tests(figure):
     """Lay out the histogram of what the test looks at and, below, a bar for each test; show(result) fills them in."""
     seen, bars = _Seen(figure.add_axes((0.115, 0.565, 0.855, 0.335))), _Bars(figure.add_axes((0.265, 0.02, 0.44, 0.42)))
     figure.legend(
@@ -55,6 +49,12 @@ def build_believed(figure):
         return seen.show(result)
 
     return Scene((*seen.moving, *bars.moving), show)
+
+
+def build_promised(figure):
+    """Lay out one row for the count and one for each claim; show(result) fills them in."""
+    rates = _Rates(figure.add_axes((0.245, 0.12, 0.55, 0.76)))
+    return Scene(rates.moving, rates.show)
 
 
 class _Rates:
@@ -249,7 +249,7 @@ def describe_trust(result):
 
 def _shares(result, chosen, edges):
     """Return the share [%] of all epochs in each bin, of the chosen ones (N,) bool."""
-    values = np.clip(np.abs(result.statistic[chosen]), edges[0], edges[-1])
+    values = np.clip(result.statistic[chosen], edges[0], edges[-1])
     return 100 * np.histogram(values, edges)[0] / len(chosen)
 
 

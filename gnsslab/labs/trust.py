@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers.acceptance import difference_test, ratio_test, threshold_of_fixes
+from gnsslab.core.integers.acceptance import difference_test, projector_test, ratio_test, threshold_of_fixes
 from gnsslab.core.integers.decorrelation import decorrelate
 from gnsslab.core.integers.search import integer_least_squares
 from gnsslab.core.integers.simulation import SimulatedRate, simulate_fixes
@@ -27,7 +27,7 @@ BANDS = "125"  # of GPS, in the order in which they are used
 KEPT = 16  # models, draws and thresholds of one lab
 UNBIASED = (0, 0)
 OTHER_SEEDS = 1000  # beyond those of the control
-USUAL = 3.0  # the constant that most programs ask of the ratio
+USUAL = 3.0  # RTKLIB's constant, and that of many who followed
 
 CONTROLS = (
     Choice("test", "Test", {"ratio": "ratio", "fixed failure rate": "tolerated", "difference": "difference", "projector": "projector"}, "ratio",
@@ -58,7 +58,7 @@ BIASED = {"satellites": 7, "frequencies": 2, "code_noise": 0.2, "carrier_noise":
 # (second over best, at least 3), the LAMBDA toolbox of TU Delft the other way round (best over second, at most mu): hence the last two.
 PRESETS = (
     Preset("start", "Start", {},
-           "Left, the count lies above what bootstrapping promises. Right, a ratio of 3 stops nearly all wrong fixes, and half of the right ones."),
+           "The count lies above what bootstrapping promises. A ratio of 3 stops nearly all wrong fixes, and more than half of the right ones."),
     Preset("strong", "Strong model", {"satellites": 9, "frequencies": 2},
            "Everything promises 100 %, and the count agrees: there is nothing wrong to be stopped, and any threshold does."),
     Preset("weak", "Weak model", {"satellites": 7, "code_noise": 0.3},
@@ -66,7 +66,7 @@ PRESETS = (
     Preset("twenty", "21 ambiguities", TWENTY,
            "97 % of the best candidates are right, but with 21 ambiguities a ratio of 3 throws nearly all of them away. Compare the lower bars."),
     Preset("tolerated", "Fixed failure rate", FIVE | {"test": "tolerated", "tolerance": 0.5},
-           "One fix in 200 may be wrong: the model itself says from which ratio on. A third of all epochs, lost with a ratio of 3, comes back."),
+           "One epoch in 200 may be fixed wrong: the model itself says at which ratio. A third of all epochs, lost with a ratio of 3, comes back."),
     Preset("biased", "Multipath", BIASED,
            "ADOP and bootstrapping promise more than 99.9 %, yet 44 % of the best candidates are wrong. The ring: the count without multipath."),
     Preset("biased-tolerated", "Multipath, tolerated", BIASED | {"test": "tolerated"},
@@ -151,50 +151,66 @@ class TrustResult:
         return self.judged[0]
 
 
+class Case(NamedTuple):
+    """All that decides a draw: equal cases, equal draws."""
+
+    assumed: tuple  # settings of the model
+    biases: tuple  # multipath: [m] in the codes, [mm] in the carriers
+    samples: int
+    seed: int
+
+
 class TrustEngine:
     """Models, draws and thresholds of one lab instance, kept between moves, and the way from settings to a result."""
 
     def __init__(self):
         self._model = lru_cache(KEPT)(_model)
         self._fixes = lru_cache(KEPT)(self._draw)
+        self._candidates = lru_cache(KEPT)(self._search)
         self._tolerated = lru_cache(KEPT)(self._threshold)
-        self._projections = lru_cache(KEPT)(self._project)
 
     def compute(self, **settings):
         """Return the TrustResult of checked settings."""
-        assumed, biases, of_draw = (tuple(settings[name] for name in names) for names in (OF_THE_MODEL, BIASES, OF_THE_DRAW))
-        model, fixes, unbiased = self._model(*assumed), *(self._fixes(assumed, bias, *of_draw) for bias in (biases, UNBIASED))
-        tolerated = self._tolerated(assumed, settings["tolerance"], *of_draw)
+        assumed, biases = (tuple(settings[name] for name in names) for names in (OF_THE_MODEL, BIASES))
+        case = Case(assumed, biases, settings["samples"], settings["seed"])
+        unbiased = case._replace(biases=UNBIASED)
+        fixes, tolerated = self._fixes(case), self._tolerated(unbiased, settings["tolerance"])
         threshold = tolerated.ratio if settings["test"] == "tolerated" else settings["threshold"]
-        if settings["test"] == "projector":
-            statistic = self._projections(assumed, biases, *of_draw)
-        else:
-            statistic = fixes.norms[:, 1] - fixes.norms[:, 0] if settings["test"] == "difference" else fixes.ratio
-        is_accepted = _accepted(settings, fixes.norms, statistic, threshold)
+        seen, is_accepted = self._judged(settings, case, threshold)
         return TrustResult(
             settings,
-            model=model,
+            model=self._model(*assumed),
             counted=_count(fixes),
-            unbiased=_count(unbiased),
+            unbiased=_count(self._fixes(unbiased)),
             is_right=fixes.is_right,
-            statistic=statistic,
+            statistic=seen,
             is_accepted=is_accepted,
             accepted_range=_accepted_range(settings, threshold),
             judged=(Judged("chosen", threshold, shares_of(is_accepted, fixes.is_right)), *_compared(fixes, tolerated.ratio)),
             tolerated=tolerated,
         )
 
-    def _draw(self, assumed, biases, samples, seed):
-        model = self._model(*assumed)
-        return simulate_fixes(model.Q, np.random.default_rng(seed), samples, bias=biases @ model.gains)
+    def _draw(self, case):
+        model = self._model(*case.assumed)
+        return simulate_fixes(model.Q, np.random.default_rng(case.seed), case.samples, bias=case.biases @ model.gains)
 
-    def _threshold(self, assumed, tolerance, samples, seed):
+    def _search(self, case):
+        return integer_least_squares(self._fixes(case).a_hat, self._model(*case.assumed).Q).candidates
+
+    def _threshold(self, case, tolerance):
         """Return the RatioThreshold that the model asks for, by draws of its own: on those that it is made from it always holds."""
-        fixes = self._fixes(assumed, UNBIASED, samples, seed + OTHER_SEEDS)
+        fixes = self._fixes(case._replace(seed=case.seed + OTHER_SEEDS))
         return threshold_of_fixes(fixes.ratio, fixes.is_right, tolerance / 100)
 
-    def _project(self, assumed, biases, *of_draw):
-        return projections(self._fixes(assumed, biases, *of_draw).a_hat, self._model(*assumed).Q)
+    def _judged(self, settings, case, threshold):
+        """Return what the chosen test looks at (N,), and which epochs it accepts (N,) bool."""
+        fixes = self._fixes(case)
+        if settings["test"] == "difference":
+            return fixes.norms[:, 1] - fixes.norms[:, 0], difference_test(fixes.norms, threshold)
+        if settings["test"] == "projector":
+            Q, candidates = self._model(*case.assumed).Q, self._candidates(case)
+            return projections(fixes.a_hat, Q, candidates), projector_test(fixes.a_hat, Q, candidates, threshold)
+        return fixes.ratio, WRITTEN[settings["written"]](fixes.norms, threshold)
 
 
 def _model(satellites, frequencies, code_noise, carrier_noise, epochs):
@@ -226,27 +242,17 @@ def _count(fixes):
     return SimulatedRate(int(fixes.is_right.sum()), len(fixes.is_right))
 
 
-def projections(a_hat, Q):
-    """Return how far float ambiguities (N, n) lie from the best towards the second best integers (N,) in sigmas.
+def projections(a_hat, Q, candidates):
+    """Return how far float ambiguities (N, n) have moved from the best towards the second best of the candidates (N, 2, n), in sigmas (N,).
 
-    (a_2 - a_1)' Q^-1 (a_hat - a_1) / |a_2 - a_1|_Q, half of |a_2 - a_1|_Q at most: there both are equally near.
+    (a_2 - a_1)' Q^-1 (a_hat - a_1) / |a_2 - a_1|_Q
 
-    >>> projections(np.array([[0.2, 0.1], [0.4, 0.1]]), 0.04 * np.eye(2)).round(6).tolist()
+    >>> projections(np.array([[0.2, 0.1], [0.4, 0.1]]), 0.04 * np.eye(2), np.array([[[0, 0], [1, 0]]] * 2)).round(6).tolist()
     [1.0, 2.0]
     """
-    candidates = integer_least_squares(a_hat, Q).candidates
     step = candidates[:, 1] - candidates[:, 0]
     weighted = np.linalg.solve(Q, step.T).T  # Q^-1 (a_2 - a_1)
     return np.vecdot(weighted, a_hat - candidates[:, 0]) / np.sqrt(np.vecdot(weighted, step))
-
-
-def _accepted(settings, norms, statistic, threshold):
-    """Return which epochs (N,) the chosen test believes."""
-    if settings["test"] == "difference":
-        return difference_test(norms, threshold)
-    if settings["test"] == "projector":
-        return np.abs(statistic) <= threshold
-    return WRITTEN[settings["written"]](norms, threshold)
 
 
 def _accepted_range(settings, threshold):
@@ -321,9 +327,9 @@ def figure(result):
 
 def drawings():
     """Return the two pictures of the lab."""
-    from gnsslab.figures.trust import build_believed, build_promised
+    from gnsslab.figures.trust import build_promised, build_tests
 
-    return Drawing("promised", build_promised, 400, 400), Drawing("believed", build_believed, 460, 480)
+    return Drawing("tests", build_tests, 460, 480), Drawing("promised", build_promised, 400, 400)
 
 
 def describe(result):
@@ -365,7 +371,7 @@ def table(result):
     }
 
 
-def _judged(given, free, failures, least):
+def _judge(given, free, failures, least):
     """Return the judge of a goal: the given settings, all others but the free ones as at the start, so few failures, and so many fixes."""
 
     def judge(result):
@@ -382,7 +388,7 @@ _TESTING = ("test", "threshold", "tolerance", "samples", "seed")
 _BUT_CODES = {name: value for name, value in BIASED.items() if name != "code_noise"}
 GOALS = (
     Goal("careful", "Set the satellites to 5, the frequencies to 2 and the code noise to 0.3 m. By the test alone: fix at least 80 % of the epochs, "
-         "and at most 0.1 % wrong.", _judged(FIVE, _TESTING, 0.001, 0.8)),
+         "and at most 0.1 % wrong.", _judge(FIVE, _TESTING, 0.001, 0.8)),
     Goal("biased", "Press Multipath. The echo stays, but you may change the code noise and the test: fix at least half of the epochs, "
-         "and at most 1 % wrong.", _judged(_BUT_CODES, ("code_noise", *_TESTING), 0.01, 0.5)),
+         "and at most 1 % wrong.", _judge(_BUT_CODES, ("code_noise", *_TESTING), 0.01, 0.5)),
 )  # fmt: skip

@@ -8,7 +8,7 @@ import pytest
 from gnsslab.core.integers.simulation import SimulatedRate
 from gnsslab.figures.kept import KeptPicture, new_figure
 from gnsslab.figures.shares import percent
-from gnsslab.figures.trust import LEAST_SHARE, LOOKS, build_believed, build_promised, describe_trust, plot_trust
+from gnsslab.figures.trust import LEAST_SHARE, LOOKS, build_promised, build_tests, describe_trust, plot_trust
 
 NAMES = ("bootstrapping", "ADOP", "variances and ADOP", "pull-in region", "eigenvalues")
 
@@ -88,7 +88,7 @@ def test_every_epoch_is_in_the_histogram(rng, test):
     result = _result(rng, test)
     result.statistic[:5] = [1e-9, 1e9, np.inf, 150.0, 1.0]
     figure = new_figure(460, 480)
-    scene = build_believed(figure)
+    scene = build_tests(figure)
     scene.show(result)
     total = 0.0
     for part in (scene.moving[1], scene.moving[3]):  # all right ones, all wrong ones
@@ -99,7 +99,7 @@ def test_every_epoch_is_in_the_histogram(rng, test):
 
 def test_fixed_side_is_the_shaded_one(rng):
     figure = new_figure(460, 480)
-    scene = build_believed(figure)
+    scene = build_tests(figure)
     for result, ends in (
         (_result(rng, threshold=3.0), (3.0, 100.0)),
         (_result(rng, threshold=3.0, written="upside-down"), (1.0, 3.0)),
@@ -114,7 +114,7 @@ def test_moves_leave_nothing_behind(rng):
     results = [
         _result(rng, test, right=right, unbiased=0.99) for test, right in (("ratio", 0.9), ("projector", 0.2), ("difference", 1.0), ("ratio", 0.7))
     ]
-    for build, size in ((build_promised, (400, 400)), (build_believed, (460, 480))):
+    for build, size in ((build_promised, (400, 400)), (build_tests, (460, 480))):
         kept = KeptPicture(build, *size, sharpness=0.5)
         for result in results:
             moved = kept.png(result)
