@@ -33,7 +33,7 @@ def plot_trust(result, figure=None):
 
 def build_tests(figure):
     """Lay out the histogram of what the test looks at and, below, a bar for each test; show(result) fills them in."""
-    seen, bars = _Seen(figure.add_axes((0.115, 0.565, 0.855, 0.335))), _Bars(figure.add_axes((0.265, 0.02, 0.44, 0.42)))
+    seen, bars = _Seen(figure.add_axes((0.125, 0.565, 0.845, 0.335))), _Bars(figure.add_axes((0.265, 0.02, 0.44, 0.42)))
     figure.legend(
         handles=[
             Patch(facecolor=RIGHT, label="fixed, right"),
@@ -243,7 +243,7 @@ def describe_trust(result):
         f"A model with {len(model.Q)} ambiguities. Promised: bootstrapping {percent(claims[0].low)} %, ADOP about {percent(claims[1].low)} %; "
         f"bounds: {bounds}. "
         f"Counted in {counted.samples} epochs: {percent(counted.rate)} % right, between {percent(low)} and {percent(high)} %. "
-        f"Below a histogram of what the test looks at, right and wrong fixes apart, the side that is fixed shaded. Bars: {bars}."
+        f"A histogram of what the test looks at, right and wrong fixes apart, the side that is fixed shaded. Bars: {bars}."
     )
 
 

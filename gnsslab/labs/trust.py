@@ -59,7 +59,7 @@ BIASED = {"satellites": 7, "frequencies": 2, "code_noise": 0.2, "carrier_noise":
 PRESETS = (
     Preset("start", "Start", {},
            "The count lies above what bootstrapping promises. A ratio of 3 stops nearly all wrong fixes, and more than half of the right ones."),
-    Preset("strong", "Strong model", {"satellites": 9, "frequencies": 2},
+    Preset("strong", "Strong model", {"satellites": 9, "frequencies": 2, "samples": 5000},
            "Everything promises 100 %, and the count agrees: there is nothing wrong to be stopped, and any threshold does."),
     Preset("weak", "Weak model", {"satellites": 7, "code_noise": 0.3},
            "Three of four best candidates are wrong. A ratio of 3 lets few epochs pass, and about half of those are wrong."),
@@ -363,12 +363,8 @@ def readouts(result):
 
 def table(result):
     """Return what each epoch gave as columns."""
-    return {
-        "epoch": np.arange(len(result.is_right)),
-        "is_right": result.is_right,
-        result.settings["test"]: result.statistic,
-        "is_fixed": result.is_accepted,
-    }
+    seen = {"difference": "difference", "projector": "projection_sigmas"}.get(result.settings["test"], "ratio")
+    return {"epoch": np.arange(len(result.is_right)), "is_right": result.is_right, seen: result.statistic, "is_fixed": result.is_accepted}
 
 
 def _judge(given, free, failures, least):
