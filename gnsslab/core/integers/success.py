@@ -14,6 +14,7 @@ from gnsslab.core.integers.decorrelation import checked_covariance, decorrelate,
 from gnsslab.core.integers.search import integer_least_squares
 
 _DEPENDENT = 1e-12  # of the squared length: rounding leaves less of a vector that the shorter ones span
+_NEAR = 8  # times n integer vectors, half of them opposites: n independent ones are almost always among them
 _NODES = 1_000_000  # for the integer vectors nearest to zero: a tenth of a second; without them the bounds stand, less sharp
 
 
@@ -57,7 +58,7 @@ def adop_success_rate(adop, n):
     adop: (...) [cycles]. Returns (...). An upper bound for bootstrapping (the d that are equal are the best with one
     det Q) and an approximation for least squares after decorrelation, often a good one. Raises ValueError where
     ADOP is not positive or n below 1.
-    Source: Teunissen (2000), Artificial Satellites 35:171-179; Verhagen (2005), Navigation 52:99-110.
+    Source: Teunissen (2000), Artificial Satellites 35:171-179; Verhagen (2003), J. Global Positioning Systems 2:117-124.
 
     >>> float(adop_success_rate(0.14, 28).round(3))
     0.99
@@ -75,10 +76,10 @@ class SuccessBounds(NamedTuple):
     adop: approximation by ADOP; an upper bound for bootstrapping.
     variance_lower: all ambiguities taken as uncorrelated; a lower bound for rounding, so for the other two as well.
     adop_upper: the pull-in region taken as a ball of its volume; an upper bound for least squares.
-    eigenvalue_lower, eigenvalue_upper: all directions as uncertain as the worst, as the best one.
-    pull_in_lower: the largest ellipsoid in the pull-in region; pull_in_upper: the walls towards the nearest integers.
-    is_sharp: bool; False where the search for those nearest integers ended by its node limit: then the pull-in bounds
-    hold, but are not the sharpest of their kind.
+    eigenvalue_lower, eigenvalue_upper: all directions taken as uncertain as the worst, and as the best one.
+    pull_in_lower: the largest ellipsoid inside the pull-in region; pull_in_upper: its walls towards the nearest integers.
+    is_sharp: bool; False where a node limit ended the search for those nearest integers: the two pull-in bounds hold
+    then too, but sharper ones could be had.
     """
 
     bootstrapped: np.ndarray
@@ -96,10 +97,11 @@ def success_bounds(Q, *, node_limit=_NODES):
     """Return what can be said of the success rate without simulation, for the ambiguities as they stand.
 
     Q: (n, n) or (..., n, n) [cycles^2]; bootstrapped, variance_lower and the eigenvalue bounds are better after
-    decorrelation (call it with `decorrelate(Q).Q_z` as well), the others stay. Returns SuccessBounds. Raises ValueError where Q is not
-    a covariance matrix.
-    Source: collected in Verhagen (2005), Navigation 52:99-110, and Verhagen, Li and Teunissen (2013), Computers &
-    Geosciences 54:361-376; the single ones below.
+    decorrelation (call it with `decorrelate(Q).Q_z` as well), the others stay. Returns SuccessBounds. Raises ValueError
+    where Q is not a covariance matrix.
+    Source: collected by Verhagen (2003), J. Global Positioning Systems 2:117-124; Verhagen, Li and Teunissen (2013),
+    Computers & Geosciences 54:361-376. Rounding <= bootstrapping <= least squares: Teunissen (1998), J. Geodesy
+    72:606-612; (1999), J. Geodesy 73:587-593.
 
     >>> bounds = success_bounds([[0.04, 0.0], [0.0, 0.04]])       # sigmas 0.2, nothing correlated: bounds meet
     >>> float(bounds.bootstrapped.round(4)), float(bounds.variance_lower.round(4)), float(bounds.eigenvalue_upper.round(4))
@@ -134,7 +136,7 @@ def _adop(d):
 def _ball_of_volume_one(adop, n):
     """P(chi2_n <= c_n / ADOP^2), c_n = Gamma(n/2 + 1)^(2/n) / pi: of all regions of one volume a ball holds most.
 
-    Source: Hassibi and Boyd (1998), IEEE Trans. Signal Processing 46:2938-2952; Teunissen (2000).
+    Source: Hassibi and Boyd (1998), IEEE Trans. Signal Processing 46:2938-2952; by ADOP: Teunissen (2000).
     """
     return chdtr(n, np.exp(2.0 / n * gammaln(n / 2.0 + 1.0)) / math.pi / adop**2)
 
@@ -144,12 +146,12 @@ def _pull_in_bounds(Q, node_limit):
 
     The pull-in region of zero ends half way to its neighbours. The ball of half the distance to the nearest lies inside:
     P(chi2_n <= min z' Q^-1 z / 4). The region lies inside the slabs |v_i| <= 1/2, v_i = z_i' Q^-1 a / z_i' Q^-1 z_i.
-    Source: Hassibi and Boyd (1998); Teunissen (1998), Artificial Satellites 33:49-64.
+    Source: Hassibi and Boyd (1998) for the ball, Verhagen (2003) for the slabs.
     """
     decorrelation = decorrelate(Q)
     _, L, d = decorrelation
     n = d.shape[-1]
-    near = integer_least_squares(np.zeros(d.shape), decorrelation.Q_z, n_best=4 * n + 1, node_limit=node_limit)
+    near = integer_least_squares(np.zeros(d.shape), decorrelation.Q_z, n_best=_NEAR * n + 1, node_limit=node_limit)
     shortest = np.where(near.complete, near.norms[..., 1], 1.0 / np.max(d, axis=-1))  # no vector is shorter than the latter
     upper = np.empty(d.shape[:-1])
     for index in np.ndindex(upper.shape):
@@ -164,7 +166,7 @@ def _slabs(candidates, L, d):
     v_i is e_i . x / (e_i . e_i) of a standard normal x, so sigma_i is what of e_i is orthogonal to those before it,
     over e_i . e_i. Any vectors give a bound, also where fewer than n are found.
     """
-    z = np.vstack([candidates, np.eye(len(d))])  # the unit vectors make sure that n are independent
+    z = np.vstack([candidates, np.eye(len(d))])  # unit vectors, lest fewer than n are independent
     e = np.linalg.solve(L.T, z.T).T / np.sqrt(d)
     bound, basis = 1.0, np.empty((0, len(d)))
     for e_i in e[np.argsort(np.sum(e**2, axis=-1), kind="stable")]:
