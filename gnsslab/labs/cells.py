@@ -33,7 +33,7 @@ ESTIMATORS = ("rounding", "bootstrapping", "least squares")
 
 CONTROLS = (
     Choice("ambiguities", "Ambiguities", {"two": 2, "three": 3}, 2, help="Three: the picture is the plane that is left once the third is chosen."),
-    Choice("estimator", "Cells", {name: name for name in ESTIMATORS}, "least squares",
+    Choice("estimator", "Cells of", {name: name for name in ESTIMATORS}, "least squares",
            help="A cell holds all float points that this estimator takes to the same integers."),
     Switch("decorrelated", "Decorrelated", False, help="The same experiment in the combinations z = Z' a."),
     Slider("float_1", "Float value 1", -4, 4, 0.02, 1.5, "cycles", help="Of the first ambiguity, counted from the true integer."),
@@ -319,7 +319,9 @@ def readouts(result):
     otherwise = "without decorrelation" if result.settings["decorrelated"] else "with decorrelation"
     return [
         *(Readout(answer.name.capitalize(), vector(answer.integers), "", _word_on(answer, result.space)) for answer in result.answers),
-        Readout("Ratio", f"{result.ratio:.2f}", "", f"second best over best squared norm: {second:.2f} over {best:.2f}"),
+        Readout(
+            "Ratio", f"{result.ratio:.2f}".replace("inf", "\N{INFINITY}"), "", f"second best over best squared norm: {second:.2f} over {best:.2f}"
+        ),
         Readout("Nodes", f"{len(result.tree.nodes)}", "", f"tried in the search; {shown}{result.nodes_otherwise} {otherwise}"),
     ]
 

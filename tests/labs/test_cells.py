@@ -200,7 +200,7 @@ def test_a_float_point_that_noise_hardly_brings_about_is_said(lab):
 def test_float_point_on_an_integer_has_no_finite_ratio(lab):
     result = lab.run(float_1=1, float_2=2)
     assert result.norms[0] == 0
-    assert next(readout for readout in lab.readouts(result) if readout.label == "Ratio").value == "inf"
+    assert next(readout for readout in lab.readouts(result) if readout.label == "Ratio").value == "\N{INFINITY}"
 
 
 def test_same_settings_same_answer_from_another_lab():
