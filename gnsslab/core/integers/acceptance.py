@@ -111,7 +111,7 @@ def failure_rate_threshold(Q, failure_rate, rng, samples=100_000):
     >>> failure_rate_threshold([[0.0004]], 0.001, np.random.default_rng(1), samples=10_000).ratio      # half a cycle is 25 sigma
     1.0
     """
-    _check_countable(failure_rate, samples)
+    check_countable(failure_rate, samples)
     fixes = simulate_fixes(Q, rng, samples)
     return threshold_of_fixes(fixes.ratio, fixes.is_right, failure_rate)
 
@@ -126,7 +126,7 @@ def threshold_of_fixes(ratio, is_right, failure_rate):
     """
     ratio, is_right = np.asarray(ratio, dtype=np.float64), np.asarray(is_right, dtype=bool)
     samples = len(ratio)
-    _check_countable(failure_rate, samples)
+    check_countable(failure_rate, samples)
     wrong = np.sort(ratio[~is_right])[::-1]
     allowed = math.floor(failure_rate * samples + 1e-9)  # 0.29 * 100 is a little less than 29
     c = _above_all_but(wrong, allowed)
@@ -159,7 +159,8 @@ def _check_not_negative(threshold):
         raise ValueError(f"the threshold must be 0 or more; it is {threshold:g}")
 
 
-def _check_countable(failure_rate, samples):
+def check_countable(failure_rate, samples):
+    """Say where a failure rate is none, or so small that in so many samples there is nothing to count."""
     if not 0 < failure_rate < 1:
         raise ValueError(f"failure_rate is a share of all fixes, more than 0 and less than 1; it is {failure_rate:g}")
     if failure_rate * samples < 1:

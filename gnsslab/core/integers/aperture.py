@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import erf
 
-from gnsslab.core.integers.acceptance import threshold_of_fixes
-from gnsslab.core.integers.decorrelation import checked_problem, decorrelate
+from gnsslab.core.integers.acceptance import check_countable, threshold_of_fixes
+from gnsslab.core.integers.decorrelation import checked_problem, decorrelate, one_covariance
 from gnsslab.core.integers.rounding import integer_bootstrapping, integer_rounding
+from gnsslab.core.integers.search import checked_count
 
 
 class ApertureSolution(NamedTuple):
@@ -79,7 +80,8 @@ def failure_rate_aperture(Q, failure_rate, rng, samples=100_000):
     >>> failure_rate_aperture([[0.0004]], 0.001, np.random.default_rng(1), samples=10_000).aperture      # half a cycle is 25 sigma
     1.0
     """
-    _, L, d = decorrelate(Q)
+    check_countable(failure_rate, checked_count(samples, "samples"))
+    _, L, d = decorrelate(one_covariance(Q))
     z, aperture = _bootstrap((rng.standard_normal((samples, len(d))) * np.sqrt(d)) @ L, L, d)
     found = threshold_of_fixes(1.0 / aperture, np.all(z == 0, axis=-1), failure_rate)
     return ApertureThreshold(1.0 / found.ratio, found.failure_rate, found.fix_rate, samples)

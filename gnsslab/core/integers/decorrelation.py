@@ -168,12 +168,18 @@ def checked_stack(a_hat, Q):
         raise ValueError(f"The stacks of a_hat {a_hat.shape} and Q {Q.shape} do not fit: one Q, or one for each a_hat.") from None
 
 
+def one_covariance(Q):
+    """Return one Q (n, n) as float64, or say that there are more."""
+    Q = checked_covariance(Q)
+    if Q.ndim != 2:
+        raise ValueError(f"Q must be one covariance matrix (n, n); it has shape {Q.shape}: call this for each.")
+    return Q
+
+
 def checked_problem(a_hat, Q):
     """Return a_hat (..., n) and one Q (n, n) as float64, or say how they do not fit."""
-    a_hat, Q = np.asarray(a_hat, dtype=np.float64), checked_covariance(Q)
+    a_hat, Q = np.asarray(a_hat, dtype=np.float64), one_covariance(Q)
     checked_stack(a_hat, Q)
-    if Q.ndim != 2:
-        raise ValueError(f"Q must be one covariance matrix (n, n), shared by all a_hat; it has shape {Q.shape}: call this for each.")
     return a_hat, Q
 
 

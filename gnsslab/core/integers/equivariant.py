@@ -72,7 +72,8 @@ def best_integer_equivariant(a_hat, Q, *, neglected=1e-6, most_integers=MOST_INT
     flat = int(np.argmin([*_is_flat(d, neglected), False]))  # so many variables, the first, are summed as integrals
     R2, lost = _bounds(q, d[flat:], neglected / 2, most_integers)
     e, total, count = sum_integers(*map(kernel_input, ((fraction @ Z)[:, flat:], L[flat:, flat:], d[flat:], q, R2)))
-    mean = fraction + np.asarray(e) @ L[flat:] @ decorrelation.inverse  # z - z_hat = L' e
+    e = np.reshape(e, (len(q), len(d) - flat))
+    mean = fraction + e @ L[flat:] @ decorrelation.inverse  # z - z_hat = L' e
     stack = a_hat.shape[:-1]
     return EquivariantSolution(
         a=whole + mean.reshape(a_hat.shape),
