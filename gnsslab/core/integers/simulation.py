@@ -70,10 +70,13 @@ def wilson_interval(successes, samples, quantile):
     >>> [round(p, 4) for p in wilson_interval(0, 100, 2.0)]
     [0.0, 0.0385]
     """
+    return _wilson_lower(successes, samples, quantile), 1.0 - _wilson_lower(samples - successes, samples, quantile)
+
+
+def _wilson_lower(successes, samples, quantile):
     share, extra = successes / samples, quantile**2 / samples
-    middle = (share + extra / 2.0) / (1.0 + extra)
-    half = math.sqrt(share * (1.0 - share) * extra + extra**2 / 4.0) / (1.0 + extra)
-    return max(middle - half, 0.0), min(middle + half, 1.0)
+    half = math.sqrt(share * (1.0 - share) * extra + extra**2 / 4.0)
+    return max((share + extra / 2.0 - half) / (1.0 + extra), 0.0)
 
 
 def simulate_success(Q, rng, samples=100_000, *, bias=None, executor=None, progress=None, node_limit=_NODES):
