@@ -25,9 +25,9 @@ MOST_NODES = 80  # that the picture has room for
 KEPT = 8
 UNLIKELY = {2: 13.82, 3: 16.27}  # squared norm that one float vector of a thousand exceeds (chi-square of 2 and 3 degrees of freedom)
 NORTH = np.array([[0.0], [1.0], [0.0]])
-DELFT = np.array([[53.4, 38.4], [38.4, 28.0]])  # Teunissen, de Jonge and Tiberius (1997), J. Geodesy 71:589-602
+NEEDLE = np.array([[53.4, 38.4], [38.4, 28.0]])  # test example of K. Borre (2002), programs to Strang and Borre: Linear Algebra, Geodesy, and GPS
 LGR_12 = np.array([[6.290, 5.978, 0.544], [5.978, 6.292, 2.340], [0.544, 2.340, 6.288]])  # de Jonge and Tiberius (1996), LGR-Series 12
-TEXTBOOK = {2: DELFT, 3: LGR_12}
+TEXTBOOK = {2: NEEDLE, 3: LGR_12}
 
 ESTIMATORS = ("rounding", "bootstrapping", "least squares")
 
@@ -71,7 +71,7 @@ PRESETS = (
            "Move Nodes shown to the right: down to a first candidate, then back up, with a bound that shrinks, until nothing is left to try."),
     Preset("three-in-the-tree", "Three ambiguities",
            {"ambiguities": 3, "covariance": "satellites", "epochs": 1, "float_1": -0.6, "float_2": -2.6, "float_3": -0.92},
-           "Four satellites, one epoch, a needle. The search tries many integers for the third: each seems possible, hardly any leads on."),
+           "Four satellites, one epoch, a needle. The search tries eight integers for the third; the branches of seven lead nowhere near."),
     Preset("three-decorrelated", "Three, decorrelated",
            {"ambiguities": 3, "covariance": "satellites", "epochs": 1, "float_1": -0.6, "float_2": -2.6, "float_3": -0.92, "decorrelated": True},
            "The same four satellites after decorrelation: the search walks straight down, and the tree is a stem with a few twigs."),

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from gnsslab.core.integers import decorrelate, integer_bootstrapping, integer_least_squares, integer_rounding, ltdl, success_rate
 from gnsslab.core.integers.pull_in import bootstrapping_region, chance_inside, corners_of, least_squares_region, rounding_region
 
-DELFT = np.array([[53.4, 38.4], [38.4, 28.0]])  # Teunissen, de Jonge and Tiberius (1997)
+NEEDLE = np.array([[53.4, 38.4], [38.4, 28.0]])  # test example of K. Borre (2002), programs to Strang and Borre: Linear Algebra, Geodesy, and GPS
 cases = st.tuples(st.integers(1, 5), st.integers(0, 2**32 - 1), st.floats(0.0, 3.0))  # n, seed, decades of spread
 planes = st.tuples(st.just(2), st.integers(0, 2**32 - 1), st.floats(0.0, 4.0))
 
@@ -68,8 +68,8 @@ def test_each_cell_of_space_has_volume_one(n, rng):
 
 def test_hexagon_of_the_textbook_in_decorrelated_space():
     """By hand, in the metric of [[4.8, 1.2], [1.2, 4.6]]: the corners are as far from (0, 0) as from two neighbours."""
-    Z = decorrelate(DELFT).Z
-    Q = Z.T @ DELFT @ Z
+    Z = decorrelate(NEEDLE).Z
+    Q = Z.T @ NEEDLE @ Z
     corners = corners_of(least_squares_region(Q))
     assert len(corners) == 6
     steps = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)])
@@ -106,7 +106,7 @@ def test_rounding_is_right_less_often_than_bootstrapping_than_least_squares(case
 
 def test_chances_are_counted(rng):
     N = 100_000
-    for Q in (DELFT / 30, np.array([[6.290, 5.978, 0.544], [5.978, 6.292, 2.340], [0.544, 2.340, 6.288]]) / 10):
+    for Q in (NEEDLE / 30, np.array([[6.290, 5.978, 0.544], [5.978, 6.292, 2.340], [0.544, 2.340, 6.288]]) / 10):
         x = rng.multivariate_normal(np.zeros(len(Q)), Q, N)
         for region, estimate in regions_of(Q):
             promised, counted = chance_inside(region, Q), np.mean(~estimate(x).any(axis=1))
