@@ -38,7 +38,7 @@ def describe_tree(result):
     return (
         f"Beside it the search tree, of {len(result.tree.nodes)} nodes. The first {len(outcomes)} are shown: "
         + ", ".join(f"{outcomes.count(outcome)} {what}" for outcome, what in words)
-        + f". {' '.join(_words_on_step(result, result.tree.nodes[: result.nodes_shown]))}."
+        + f". {'; '.join(_words_on_step(result, result.tree.nodes[: result.nodes_shown]))}."
     )
 
 

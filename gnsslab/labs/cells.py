@@ -71,7 +71,7 @@ PRESETS = (
            "Move Nodes shown to the right: down to a first candidate, then back up, with a bound that shrinks, until nothing is left to try."),
     Preset("three-in-the-tree", "Three ambiguities",
            {"ambiguities": 3, "covariance": "satellites", "epochs": 1, "float_1": -0.6, "float_2": -2.6, "float_3": -0.92},
-           "Four satellites, one epoch, a needle. The search tries eight integers for the third; the branches of seven lead nowhere near."),
+           "Four satellites, one epoch, a needle. The search tries eight integers for the third, and only one of them leads to the answer."),
     Preset("three-decorrelated", "Three, decorrelated",
            {"ambiguities": 3, "covariance": "satellites", "epochs": 1, "float_1": -0.6, "float_2": -2.6, "float_3": -0.92, "decorrelated": True},
            "The same four satellites after decorrelation: the search walks straight down, and the tree is a stem with a few twigs."),
