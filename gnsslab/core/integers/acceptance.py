@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers.decorrelation import checked_covariance
+from gnsslab.core.integers.decorrelation import checked_problem
 from gnsslab.core.integers.simulation import simulate_fixes, wilson_interval
 
 
@@ -65,8 +65,10 @@ def projector_test(a_hat, Q, candidates, threshold):
     >>> [bool(projector_test([x, 0.4], 0.04 * np.eye(2), candidates, 1.5)) for x in (0.2, 0.4)]      # 1 and 2 sigma
     [True, False]
     """
-    a_hat, candidates, Q = np.asarray(a_hat, dtype=np.float64), np.asarray(candidates, dtype=np.float64), checked_covariance(Q)
+    (a_hat, Q), candidates = checked_problem(a_hat, Q), np.asarray(candidates, dtype=np.float64)
     _check_not_negative(threshold)
+    if candidates.ndim < 2 or candidates.shape[-1] != len(Q) or candidates.shape[-2] < 2:
+        raise ValueError(f"candidates must be (..., 2 or more, {len(Q)}), the best and the second best; they have shape {candidates.shape}.")
     a_1, a_2 = candidates[..., 0, :], candidates[..., 1, :]
     weighted = np.linalg.solve(Q, (a_2 - a_1)[..., None])[..., 0]  # Q^-1 (a_2 - a_1)
     return np.vecdot(weighted, a_hat - a_1) <= threshold * np.sqrt(np.vecdot(weighted, a_2 - a_1))

@@ -270,6 +270,7 @@ BAD_CALLS = [
     (lambda: ratio_test(1.0, 3.0), r"it has shape \(\)"),
     (lambda: difference_test([1.0, 2.0], -1.0), "must be 0 or more; it is -1"),
     (lambda: projector_test([0.1], [[1.0]], [[0], [1]], np.nan), "must be 0 or more; it is nan"),
+    (lambda: projector_test([0.1], [[1.0]], [[0]], 1.0), r"candidates must be \(..., 2 or more, 1\).*they have shape \(1, 1\)"),
     (lambda: projector_test([0.1], [1.0], [[0], [1]], 1.0), "Q must be a covariance matrix"),
     (lambda: failure_rate_threshold([[1.0]], 1.0, np.random.default_rng(1)), "more than 0 and less than 1; it is 1"),
     (lambda: failure_rate_threshold([[1.0]], 0.001, np.random.default_rng(1), 500), "500 samples hold less than one failure.*use 10000 or more"),
