@@ -404,5 +404,5 @@ def _judge_five(result):
 
 
 GOALS = (
-    Goal("five", "Two antennas, one frequency, five satellites left: believe 95 % of the epochs or more, all of them right.", _judge_five),
+    Goal("roof-five", "Two antennas, one frequency, five satellites left: believe 95 % of the epochs or more, all of them right.", _judge_five),
 )  # fmt: skip
