@@ -58,7 +58,7 @@ def projector_test(a_hat, Q, candidates, threshold):
 
     The left side is a length in sigmas, from 0 to half of the way |a_2 - a_1|_Q, where the two change places. a_hat:
     (..., n) [cycles]; Q: (n, n) [cycles^2]; candidates: (..., 2 or more, n), best first; c >= 0. Raises ValueError for a
-    negative threshold, or where Q is not a covariance matrix.
+    negative threshold, or where shapes do not fit.
     Source: Han (1997), J. Geodesy 71:351-361; Verhagen and Teunissen (2006), J. Guidance, Control, and Dynamics 29:981-991.
 
     >>> candidates = [[0, 0], [1, 0]]
@@ -101,7 +101,7 @@ class RatioThreshold(NamedTuple):
 
 
 def failure_rate_threshold(Q, failure_rate, rng, samples=100_000):
-    """Find the smallest threshold of the ratio test with which no more than failure_rate of all fixes are wrong.
+    """Find the smallest threshold of the ratio test with which no more than failure_rate of all cases are fixed and wrong.
 
     min c >= 1:  P(ratio >= c and a_1 wrong) <= P_f
 
@@ -164,6 +164,6 @@ def _check_not_negative(threshold):
 def check_countable(failure_rate, samples):
     """Say where a failure rate is none, or so small that in so many samples there is nothing to count."""
     if not 0 < failure_rate < 1:
-        raise ValueError(f"failure_rate is a share of all fixes, more than 0 and less than 1; it is {failure_rate:g}")
+        raise ValueError(f"failure_rate is a share of all cases, more than 0 and less than 1; it is {failure_rate:g}")
     if failure_rate * samples < 1:
         raise ValueError(f"{samples} samples hold less than one failure at a rate of {failure_rate:g}: use {math.ceil(10 / failure_rate)} or more")
