@@ -59,8 +59,9 @@ def fix_most_certain(a_hat, Q, success_rate=0.999):
     a_hat, Q = checked_problem(a_hat, Q)
     _check_success_rate(success_rate)
     Z, _, d = decorrelate(Q)
-    together = np.cumprod(erf(1.0 / np.sqrt(8.0 * d[::-1])))  # of the last 1, 2, ... n
-    return fix_combinations(a_hat, Q, Z[:, len(d) - int(np.sum(together >= success_rate)) :])
+    together = np.cumprod([1.0, *erf(1.0 / np.sqrt(8.0 * d[::-1]))])  # of the last 0, 1, 2, ... n
+    k = int(np.sum(together >= success_rate)) - 1
+    return fix_combinations(a_hat, Q, Z[:, len(d) - k :])._replace(success_rate=float(together[k]))
 
 
 def fix_subset(a_hat, Q, success_rate=0.999, leave_out=None):
