@@ -101,6 +101,26 @@ LESSONS = (
         ),
         ("gnsslab.labs.centimetres:centimetres_lab", "gnsslab.labs.cells:cells_lab", "gnsslab.labs.spectrum:spectrum_lab"),
     ),
+    Lesson(
+        "04",
+        "04_can_you_trust_the_fix.py",
+        "Can you trust the fix?",
+        "A fix passes the test with a ratio of ten, and is a third of a metre off. How often is that so, and what is better than yes or no?",
+        75,
+        "lesson 03",
+        (
+            "say how often a fix will be right before you measure, and count whether it was",
+            "choose how many wrong fixes you can bear, and get the threshold from that",
+            "fix what is certain and leave the rest, or take the mean of all integers",
+            "put a known length where it helps, and only once",
+        ),
+        (
+            "gnsslab.labs.trust:trust_lab",
+            "gnsslab.labs.soft_fixing:soft_fixing_lab",
+            "gnsslab.labs.known_length:known_length_lab",
+            "gnsslab.labs.fewer_satellites:fewer_satellites_lab",
+        ),
+    ),
 )
 
 
