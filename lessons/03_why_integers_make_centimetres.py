@@ -139,7 +139,7 @@ def _(lesson, prediction):
     2. Press **Ten epochs**. The mean of ten epochs is three times better, not ten times. But the crosses are gone.
     3. Move **Code noise**. The float cloud grows and shrinks with it, the window does not move. Then move **Carrier noise**, under *more*. Now it
        is the window that changes.
-    4. Move **Satellites** down to four. The float cloud doubles. The share of right integers falls from nearly all to a quarter.
+    4. Move **Satellites** to seven: no crosses. Then down to four. The float cloud is six times as large, and one epoch in nine is right.
     5. Press **Diagonal alone**. The measurements are the same. This solver rounds each ambiguity by itself, and one epoch in a thousand is right.
 
     **And your answer?** A hundred times. The float position is as good as the codes, the fixed one as good as the carriers: 30 cm against 3 mm.
@@ -397,7 +397,7 @@ def _(lesson, prediction):
     **What you see.** Three large sigmas, then a fall. The search begins with the three: it must try hundreds of combinations of them, and learns
     only at the fourth that nearly all of them lead nowhere. After decorrelation all sigmas are alike, and the search goes almost straight down.
 
-    1. Press **Fourteen**, then **Thirty**. However many there are, *three* are large. With thirty, most searches without decorrelation do not end: they
+    1. Press **Fourteen**, then **Thirty**. However many ambiguities there are, *three* are large. With thirty, most searches without decorrelation do not end: they
        are stopped at half a million nodes, and then nobody knows whether the best one seen is the best one.
     2. Move **Code noise**. The three move, the others do not. Move **Carrier noise**: now it is the others.
     3. Move **Epochs together**. Everything goes down alike. What you see is not noise, it is geometry.
@@ -452,7 +452,7 @@ def _(mo):
     print(found.b_hat.round(2), b_fix.round(4))  # [m] east, north, up
     ```
 
-    The float ambiguities are wrong by up to two cycles. Rounded, most would be wrong. The integers are right, and the baseline goes from
+    The float ambiguities are wrong by up to 1.7 cycles. Rounded, four of ten would be wrong. The integers found are right, and the baseline goes from
     decimetres to millimetres.
     """)
     return

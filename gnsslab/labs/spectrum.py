@@ -27,7 +27,7 @@ BANDS = "125"  # of GPS
 
 CONTROLS = (
     Slider("sats", "Satellites", 5, 11, 1, 8, help="Of GPS, spread from the highest to the lowest above the mask."),
-    Choice("bands", "Frequencies", {"L1": 1, "L1 + L2": 2, "L1 + L2 + L5": 3}, 1, help="Each brings an ambiguity for every satellite but one."),
+    Choice("bands", "Frequencies", {"L1": 1, "L1+L2": 2, "L1+L2+L5": 3}, 1, help="Each brings an ambiguity for every satellite but one."),
     Switch("decorrelated", "Decorrelation", True, help="Off: the search works on the double differences as they are."),
     Slider("code", "Code noise", 0.1, 1, 0.05, 0.3, "m", help="Of one reading of one receiver, at the zenith. It sets the first three."),
     Slider("carrier", "Carrier noise", 1, 10, 0.5, 3, "mm", help="Of one reading of one receiver, at the zenith. It sets the others."),

@@ -196,7 +196,7 @@ def test_real_stations_find_their_integers(lab, dataset):
     assert _right(two) == 1
     assert len(two.is_right) == 120
     assert np.linalg.norm(two.fixed_enu, axis=1).max() < 0.03  # about the baseline that the engine found with its own filter
-    assert "Both receivers have L1 + L2 only." in lab.run(data="real", frequencies=3).note
+    assert "Both receivers have L1+L2 only." in lab.run(data="real", frequencies=3).note
     assert "No more than 7 satellites" in lab.run(data="real", satellites=9).note
 
 

@@ -150,7 +150,7 @@ QUESTIONS = (
             "As they are, it has dozens at the first and none at the last."
         ),
         mistakes=(
-            UsualMistake(5.0175, "That is the arithmetic mean, which the largest one makes alone. What stays is the product, so the mean is geometric."),
+            UsualMistake(5.0175, "That is the arithmetic mean, which the largest one makes alone. The product stays, so the mean is geometric."),
             UsualMistake(0.064, "That is the product. The fourth root is missing."),
             UsualMistake(0.70921, r"You took the eighth root. The $2n$ is for the determinant, which is a product of variances. These are sigmas."),
             UsualMistake(0.25298, "That is the square root. There are four of them."),

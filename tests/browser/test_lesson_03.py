@@ -1,0 +1,144 @@
+"""Lesson 03 in a real browser, through the real server: three labs on one page."""
+
+import time
+
+import pytest
+
+PATIENCE = 60_000  # [ms], the very first load compiles kernels
+SLIDERS = {
+    "centimetres": ("Seed", "Satellites", "Code noise", "Epochs together", "Carrier noise", "Elevation mask"),
+    "cells": ("Float value 1", "Float value 2", "Nodes shown"),
+    "spectrum": ("Seed", "Satellites", "Code noise", "Carrier noise", "Epochs together", "Elevation mask"),
+}
+
+
+@pytest.fixture
+def lesson(visit):
+    """The lesson with all labs open."""
+
+    def open_lesson(query="", **how):
+        page = visit(f"/lesson/03/{query}", **how)
+        page.get_by_role("radio", name="ten times").click(timeout=PATIENCE)
+        for lab in SLIDERS:
+            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+        return page
+
+    return open_lesson
+
+
+def _stage(page, lab):
+    return page.locator(f'.gl-stage[data-lab="{lab}"]')
+
+
+def _readouts(page, lab):
+    return _stage(page, lab).locator(".gl-readouts").inner_text()
+
+
+def _await_change(page, lab, before):
+    deadline = time.monotonic() + PATIENCE / 1000
+    while _shown(page, lab) in (before, ""):
+        assert time.monotonic() < deadline, "nothing changed"
+        page.wait_for_timeout(20)
+    return _shown(page, lab)
+
+
+def _shown(page, lab):
+    """Return readouts, problem and pictures in words of a lab, all of one moment."""
+    parts = ", ".join(f'.gl-stage[data-lab="{lab}"] .gl-{part}' for part in ("readouts", "problem", "pictures img"))
+    return page.evaluate("parts => [...document.querySelectorAll(parts)].map(part => part.alt ?? part.innerText).join(' ')", parts)
+
+
+@pytest.mark.parametrize("lab", SLIDERS)
+def test_each_slider_changes_what_is_shown(lesson, lab):
+    page = lesson()
+    _stage(page, lab).get_by_text("more", exact=True).click()
+    for name in SLIDERS[lab]:
+        for key in ("Home", "End") if name in ("Satellites", "Nodes shown") else ("End", "Home"):
+            before = _shown(page, lab)
+            _stage(page, lab).get_by_role("slider", name=name).press(key)
+            _await_change(page, lab, before)
+
+
+def test_a_preset_by_its_button(lesson):
+    page = lesson()
+    before, other = _shown(page, "centimetres"), _shown(page, "spectrum")
+    page.get_by_role("button", name="L1 alone").click()
+    assert "32.7" in _await_change(page, "centimetres", before)
+    page.locator(".gl-look").get_by_text("a fix is millimetres or metres, with nothing between").wait_for()
+    assert _shown(page, "spectrum") == other
+
+
+def test_a_preset_by_link(lesson):
+    page = lesson("?preset=thirty")
+    page.get_by_text("two nodes for each ambiguity").first.wait_for(timeout=PATIENCE)
+    assert "of 30 ambiguities" in _readouts(page, "spectrum")
+    assert "stopped at 500" in _readouts(page, "spectrum")
+
+
+def test_decorrelation_goes_off(lesson):
+    page = lesson()
+    before = _shown(page, "spectrum")
+    _stage(page, "spectrum").get_by_role("switch", name="Decorrelation").click()
+    assert "decorrelation is off" in _await_change(page, "spectrum", before)
+
+
+def test_the_winner_changes_with_the_float_point(lesson):
+    page = lesson()
+    before = _shown(page, "cells")
+    assert "wrong" in _readouts(page, "cells")
+    page.get_by_role("button", name="All agree").click()
+    _await_change(page, "cells", before)
+    assert "wrong" not in _readouts(page, "cells")
+
+
+def test_real_data(lesson, dataset):
+    dataset("geonet-0759-3040")
+    page = lesson()
+    before = _shown(page, "centimetres")
+    _stage(page, "centimetres").get_by_role("radio", name="real pair").click()
+    assert "120 positions on the map" in _await_change(page, "centimetres", before)
+    _stage(page, "centimetres").get_by_text("no effect: real data are as they are").first.wait_for(state="attached")
+
+
+def test_printed_errors_are_switched_in(lesson):
+    page = lesson()
+    belief = _stage(page, "centimetres").get_by_role("combobox", name="The solver believes")
+    for label, words in (("as printed: code 3 cm", "promised: 100.0 %"), ("diagonal alone", "2.492"), ("as printed: carrier alone", "13 unknowns")):
+        before = _shown(page, "centimetres")
+        belief.select_option(label=label)
+        assert words in _await_change(page, "centimetres", before)
+
+
+def test_a_wrong_and_a_right_answer_get_the_right_word(lesson):
+    page = lesson()
+    field = page.get_by_role("textbox", name="Your answer [epochs]")
+    for typed, words in (("3", "it falls only with the root"), ("9 epochs", "Right: 9.0 epochs")):
+        field.fill(typed)
+        field.press("Tab")
+        page.get_by_text(words).wait_for(timeout=PATIENCE)
+
+
+def test_goal_is_reached_live(lesson):
+    page = lesson("?lab=centimetres&frequencies=1&satellites=7&epochs=12&mask=20")
+    page.locator(".gl-reached").get_by_text("Reached.").wait_for(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_overflows(lesson, width, scheme):
+    page = lesson(width=width, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    widest = page.evaluate(
+        "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(e => e.getBoundingClientRect().right))"
+    )
+    assert widest <= width
+
+
+def test_pictures_have_words(lesson):
+    page = lesson()
+    for lab, words in (
+        ("centimetres", "1000 positions on the map"),
+        ("cells", "covered by the cells of least squares"),
+        ("spectrum", "7 conditional standard deviations"),
+    ):
+        assert words in _stage(page, lab).locator(".gl-pictures img").first.get_attribute("alt")
