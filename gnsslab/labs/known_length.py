@@ -5,6 +5,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtrc
 
 from gnsslab.core.integers import SimulatedRate, fix_with_length, integer_least_squares, success_rate
 from gnsslab.core.mixed_model import FloatSolution, given_integers, solve_float, use_length
@@ -16,8 +17,9 @@ from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 CM, MM = 1e-2, 1e-3
 KEPT = 8
 SHOWN = 24  # integer vectors on the map
-CLAIMED = 24  # vectors that share the belief where the length is not in the search: more change no claim by a percent
-CLAIMED_ON_SPHERE = 4  # the length leaves few rivals
+KEPT_VECTORS = 24  # of each epoch where the length is not in the search; what the others would claim is known in the mean
+FEW, MANY = 4, 24  # on the sphere: few mostly share all the likelihood
+OPEN = 0.002  # share of the likelihood at which the last of the few is not the last that counts
 BELIEVED = 3.0  # ratio from which receivers commonly believe
 
 # The first six are those of example 3 of the LAMBDA 4.0 toolbox (TU Delft, 2024); three more fill the gap in the north.
@@ -74,6 +76,7 @@ class Fixes(NamedTuple):
     integers: np.ndarray  # (N, n), the best
     baseline: np.ndarray  # (N, 3) [m]
     norms: np.ndarray  # (N, k), what the best k vectors cost, ascending
+    rest: np.ndarray | float = 0.0  # (N,), likelihood of all other vectors in units of the best one's
 
     @property
     def is_right(self):
@@ -82,8 +85,8 @@ class Fixes(NamedTuple):
 
     @property
     def claim(self):
-        """The probability (N,) that the method itself gives to its best integers: their likelihood's share of all those kept."""
-        return 1.0 / np.sum(np.exp((self.norms[:, :1] - self.norms) / 2), axis=-1)
+        """The probability (N,) that the method itself gives to its best integers: their likelihood's share of that of all vectors."""
+        return 1.0 / (likelihoods(self.norms).sum(axis=-1) + self.rest)
 
     @property
     def right(self):
@@ -134,6 +137,7 @@ class KnownLengthResult:
     counted: Counted
     shown: Shown
     problem: str = ""
+    note: str = ""
 
     @property
     def fixes(self):
@@ -181,11 +185,11 @@ def _count(noise, items):
     y = truth @ model.B.T + noise.measurements @ np.linalg.cholesky(model.Q_y).T  # the true integers are zero: others would only shift all
     free, entered = solve_float(y, *model), _entered(settings)
     tied = use_length(free, entered, settings["row_sigma"] * CM)
-    exact = fix_with_length(free, entered, CLAIMED_ON_SPHERE)
+    exact = _search(free, entered)
     fixes = {
         "without": _nearest(free),
         "row": _nearest(tied),
-        "twice": _on_sphere(fix_with_length(tied._replace(length_used=False), entered, CLAIMED_ON_SPHERE)),  # else it would refuse
+        "twice": _on_sphere(_search(tied._replace(length_used=False), entered)),  # else it would be refused
         "scaled": _scaled(free, exact, entered),
         "search": _on_sphere(exact),
     }
@@ -205,10 +209,39 @@ def _model(settings):
     return short_baseline_model(u, [wavelength("G", "1")], settings["code_noise"] * growth, settings["carrier_noise"] * MM * growth)
 
 
+def likelihoods(norms):
+    """Return exp(-norm / 2) of vectors (..., k), in units of the best one's."""
+    return np.exp((norms[..., :1] - norms) / 2)
+
+
 def _nearest(solution):
     """Return the Fixes by integer least squares."""
-    found = integer_least_squares(solution.a_hat, solution.Q_a, CLAIMED)
-    return Fixes(found.best, given_integers(solution, found.best)[0], found.norms)
+    found = integer_least_squares(solution.a_hat, solution.Q_a, KEPT_VECTORS)
+    return Fixes(found.best, given_integers(solution, found.best)[0], found.norms, _likelihood_beyond(found.norms, solution.Q_a))
+
+
+def _likelihood_beyond(norms, Q):
+    """Return the likelihood (N,) of the vectors farther than the last of norms (N, k), in units of the best one's.
+
+    There is one in each unit of volume, so their sum is near an integral: (2 pi)^(n/2) |Q|^(1/2) P(chi^2_n > last norm).
+    """
+    n = Q.shape[-1]
+    log_whole = n / 2 * np.log(2 * np.pi) + np.linalg.slogdet(Q)[1] / 2
+    return np.exp(log_whole + norms[:, 0] / 2) * chdtrc(n, norms[:, -1])
+
+
+def _search(solution, length):
+    """Return the ConstrainedSolution with FEW vectors, and MANY for the epochs whose likelihood these do not exhaust."""
+    found = fix_with_length(solution, length, FEW)
+    share = likelihoods(found.norms)
+    is_open = share[:, -1] > OPEN * share.sum(axis=1)
+    more = MANY - FEW
+    candidates, baselines = (np.pad(each, ((0, 0), (0, more), (0, 0)), mode="edge") for each in (found.candidates, found.baselines))
+    norms = np.pad(found.norms, ((0, 0), (0, more)), constant_values=np.inf)
+    if is_open.any():
+        again = fix_with_length(_epochs(solution, is_open), length, MANY)
+        candidates[is_open], norms[is_open], baselines[is_open] = again.candidates, again.norms, again.baselines
+    return found._replace(candidates=candidates, norms=norms, baselines=baselines)
 
 
 def _on_sphere(found):
@@ -244,7 +277,7 @@ def _shown(counted, settings):
     """Return the Shown epoch of a method."""
     index, fixes = settings["epoch"] - 1, counted.fixes[settings["method"]]
     tied = settings["method"] in ("row", "twice")
-    one = _one_epoch(counted.tied if tied else counted.free, index)
+    one = _epochs(counted.tied if tied else counted.free, index)
     vectors = np.vstack([integer_least_squares(one.a_hat, one.Q_a, SHOWN).candidates, fixes.integers[index]])
     baselines, Q_b = given_integers(one, vectors)
     h = baselines / np.linalg.norm(baselines, axis=-1, keepdims=True)
@@ -255,10 +288,10 @@ def _shown(counted, settings):
     )  # fmt: skip
 
 
-def _one_epoch(solution, index):
-    """Return the FloatSolution of one of the N epochs."""
-    covariances = (Q[index] if Q.ndim == 3 else Q for Q in solution[2:5])
-    return FloatSolution(solution.a_hat[index], solution.b_hat[index], *covariances, solution.length_used)
+def _epochs(solution, chosen):
+    """Return the FloatSolution of some of the N epochs: an index, or (N,) bool."""
+    covariances = (Q[chosen] if Q.ndim == 3 else Q for Q in solution[2:5])
+    return FloatSolution(solution.a_hat[chosen], solution.b_hat[chosen], *covariances, solution.length_used)
 
 
 def known_length_lab():
