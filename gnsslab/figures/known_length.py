@@ -29,7 +29,7 @@ def plot_known_length(result, figure=None):
 
 def build_map(figure):
     """Lay out the map of candidate baselines, east and north; show(result) fills it in."""
-    part = _Map(figure.add_axes((0.135, 0.09, 0.84, 0.795)))
+    part = _Map(figure.add_axes((0.135, 0.09, 0.83, 0.795)))
     figure.legend(
         handles=part.named,
         loc="upper left",
@@ -46,7 +46,7 @@ def build_map(figure):
 
 def build_shares(figure):
     """Lay out the lengths of the candidates against how well they fit, and below them the shares counted; show(result) fills them in."""
-    parts = _Lengths(figure.add_axes((0.165, 0.66, 0.785, 0.275))), _Shares(figure.add_axes((0.165, 0.095, 0.785, 0.405)))
+    parts = _Lengths(figure.add_axes((0.19, 0.66, 0.76, 0.275))), _Shares(figure.add_axes((0.19, 0.095, 0.76, 0.405)))
     return Scene(tuple(artist for part in parts for artist in part.moving), lambda result: tuple(part.show(result) for part in parts))
 
 
@@ -103,7 +103,7 @@ class _Lengths:
 
     def __init__(self, axes):
         self.axes = axes
-        axes.set_title("the same integers: how well they fit, how long b is", fontsize=9.5, loc="left")
+        axes.set_title("the same integers: fit, and length of their baseline", fontsize=9.5)
         axes.set_ylabel("length [m]", labelpad=1)
         axes.set_xlabel("squared distance from the float ones", labelpad=1)
         axes.xaxis.set_major_locator(MaxNLocator(6))
@@ -150,7 +150,13 @@ class _Shares:
         )
         self.numbers = [axes.text(0, row, "", va="center", fontsize=9) for row in self.rows]
         axes.legend(
-            handles=[self.claims, self.errors], loc="lower left", ncols=2, bbox_to_anchor=(-0.2, 1.0), fontsize=9, handlelength=1.2, columnspacing=1.2
+            handles=[self.claims, self.errors],
+            loc="lower left",
+            ncols=2,
+            bbox_to_anchor=(-0.25, 1.0),
+            fontsize=9,
+            handlelength=1.2,
+            columnspacing=1.2,
         )
 
     @property

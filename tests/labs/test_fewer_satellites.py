@@ -76,11 +76,11 @@ def test_simulated_epochs_are_right_as_often_as_promised(lab, seed):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_simulated_epochs_keep_the_promise_of_the_known_length(lab, seed):
-    """Two counts, 150 epochs and 2000 simulated ones: 4 sigma of their difference."""
+    """Two counts, 150 epochs and 700 simulated ones: 4 sigma of their difference."""
     result = lab.run(**SIMULATED, seed=seed, known_length=True)
     assert min(result.promised) < 0.6
     for counted, promised in zip(_right(result).values(), result.promised, strict=True):
-        assert abs(counted - promised) < 4 * np.sqrt(promised * (1 - promised) * (1 / 150 + 1 / 2000)) + 0.01
+        assert abs(counted - promised) < 4 * np.sqrt(promised * (1 - promised) * (1 / 150 + 1 / 700)) + 0.01
 
 
 @pytest.mark.parametrize("known_length", [False, True])
@@ -93,7 +93,7 @@ def test_failure_rates_are_kept_in_simulated_data(lab, allowed, known_length):
         failed += sum(round(150 * shares.failed) for shares in result.shares)
         epochs += 150 * len(result.shares)
     expected = allowed / 100 * epochs
-    assert 0 < failed < expected + 4 * np.sqrt(expected) * np.sqrt(1 + 150 / 2000 * 5)  # a simulation's threshold serves 150 epochs
+    assert 0 < failed < expected + 4 * np.sqrt(expected) * np.sqrt(1 + 5 * 150 / 700)  # a simulation's threshold serves 150 epochs
 
 
 def test_same_settings_same_answer_from_another_lab():
