@@ -318,12 +318,13 @@ def _(mo):
 
     ### The search
 
-    Written in the new factors, the squared distance is a sum with one term for each ambiguity:
+    Written with $L$ and $d$, the squared distance is a sum with one term for each ambiguity:
 
-    $$(\hat a - a)^{\mathsf T}\, Q_a^{-1}\, (\hat a - a) = \sum_{i=n}^{1} \frac{(\text{integer} - \text{float value, given those after it})^2}{d_i}$$
+    $$(\hat z - z)^{\mathsf T} (Z^{\mathsf T} Q_a Z)^{-1} (\hat z - z) = \sum_{i=n}^{1} \frac{(z_i - c_i)^2}{d_i}$$
 
-    In words: choose an integer for the last one and pay its term. Choose one for the last but one and pay again. The sum only grows. So as soon as it is larger than
-    that of an answer you have, leave this branch.
+    Here [$z$](/notation#z) are the integers to choose, and [$c_i$](/notation#c) is the float value of $z_i$ once those after it are chosen. In words: choose the last one, the
+    nearest to its float value, and pay its term. Choose the last but one and pay again. The sum only grows. So as soon as it is larger than that of an answer
+    you have, leave this branch.
     """)
     return
 

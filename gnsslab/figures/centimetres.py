@@ -7,7 +7,7 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, MaxNLocator, NullLoc
 from gnsslab.figures.kept import Scene, new_figure, styled
 
 # Colours of Okabe and Ito (2008); the marks tell the same: rings, crosses, dots.
-FLOAT = {"color": "#4A9BD1", "marker": "o", "markersize": 3, "linestyle": "", "alpha": 0.45, "markeredgewidth": 0}
+FLOAT = {"color": "#1468A8", "marker": "o", "markersize": 3, "linestyle": "", "alpha": 0.4, "markeredgewidth": 0}
 WRONG = {"color": "#C04A00", "marker": "x", "markersize": 6, "linestyle": "", "markeredgewidth": 1.3}
 RIGHT = {"color": "#007A5A", "marker": "o", "markersize": 3, "linestyle": "", "alpha": 0.6, "markeredgewidth": 0}
 CLAIM = {"fill": False, "edgecolor": "#111111", "linewidth": 1.6}

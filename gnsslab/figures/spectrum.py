@@ -24,14 +24,14 @@ def plot_spectrum(result, figure=None):
 
 def build_spectrum(figure):
     """Lay out conditional standard deviations in the order of fixing, before and after; show(result) fills them in."""
-    axes = figure.add_axes((0.125, 0.13, 0.85, 0.69))
+    axes = figure.add_axes((0.145, 0.13, 0.83, 0.69))
     axes.set(yscale="log", xlabel="in the order in which the search fixes them", ylabel="conditional sigma [cycles]")
     axes.xaxis.set_major_locator(MaxNLocator(9, integer=True))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
     (before,) = axes.plot([], [], **BEFORE)
     (after,) = axes.plot([], [], **AFTER)
-    (level,) = axes.plot([], [], label="ADOP, the geometric mean of both", **LEVEL)
+    (level,) = axes.plot([], [], label="ADOP, the mean of both", **LEVEL)
     axes.legend(handles=[before, after, level], loc="lower left", bbox_to_anchor=(-0.08, 1.0), ncols=2, fontsize=9.5, columnspacing=1.4)
 
     def show(result):
