@@ -1,6 +1,7 @@
 """Integer ambiguities: decorrelation, integer least squares, and how far to trust them.
 
-For a caller: `integer_least_squares`, `decorrelate`, `success_rate`, `adop`. For another kernel: `fix_groups`,
+For a caller: `integer_least_squares`, `integer_bootstrapping`, `integer_rounding`; `decorrelate`, `ltdl`; `success_rate`,
+`success_bounds`, `simulate_success`, `adop`. For another kernel: `fix_groups`,
 `decorrelate_kernel`, whose status must be GOOD, and `search_kernel`.
 """
 

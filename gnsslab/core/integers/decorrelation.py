@@ -56,7 +56,7 @@ class Decorrelation(NamedTuple):
     def restore(self, z):
         """Return the ambiguities a (..., n) int64 whose combinations Z' a are the integers z (..., n), exactly.
 
-        Raises ValueError where z are no whole numbers.
+        Raises ValueError where z does not hold n whole numbers in its last axis.
 
         >>> decorrelation = decorrelate([[5.0, 4.0], [4.0, 3.3]])
         >>> decorrelation.restore(decorrelation.Z.T @ [100_000_007, -3]).tolist()
@@ -64,8 +64,9 @@ class Decorrelation(NamedTuple):
         """
         with np.errstate(invalid="ignore"):  # NaN becomes some integer, which it does not equal
             whole = np.asarray(z).astype(np.int64)
-        if not np.array_equal(whole, z):
-            raise ValueError("z must be whole numbers, such as integer_least_squares gives; for real z take inverse.mT @ z.")
+        n = self.d.shape[-1]
+        if whole.shape[-1:] != (n,) or not np.array_equal(whole, z):
+            raise ValueError(f"z must be whole numbers, {n} in its last axis, as integer_least_squares gives; for real z take inverse.mT @ z.")
         return np.matvec(self.inverse.mT, whole)
 
 
@@ -122,7 +123,7 @@ def ltdl(Q):
 
     Q: (n, n) or (..., n, n) [cycles^2]. Returns L, unit lower triangular, and d; d_i is the variance of a_i given
     a_i+1 ... a_n, and L_ij (i > j) what one cycle of error in a_i moves a_j. Raises ValueError where Q is not a
-    covariance matrix. Source: de Jonge and Tiberius (1996), LGR-Series 12, section 3.3.
+    covariance matrix. Source: de Jonge and Tiberius (1996), LGR-Series 12.
 
     >>> L, d = ltdl([[5.0, 4.0], [4.0, 4.0]])
     >>> L.tolist(), d.tolist()

@@ -18,7 +18,7 @@ def integer_rounding(a_hat):
     """Round each float ambiguity to its nearest integer.
 
     a_hat: (..., n) float ambiguities [cycles]. Returns (..., n) int64; ties go up. Raises ValueError where a_hat is not
-    finite, or so large that it has no fraction. Source: Teunissen (1998), J. Geodesy 72:606-612, section 3.
+    finite, or so large that it has no fraction. Source: Teunissen (1998), J. Geodesy 72:606-612.
 
     >>> integer_rounding([0.4, -0.4, 0.5, -0.5, 1.5]).tolist()
     [0, 0, 1, 0, 2]
@@ -44,7 +44,7 @@ def integer_bootstrapping(a_hat, Q):
     a_hat: (..., n) float ambiguities [cycles]; Q: (n, n) or (..., n, n) their covariance [cycles^2], taken as they
     stand: decorrelate before if wanted. Returns (..., n) int64; ties go up. Raises ValueError where shapes do not fit,
     where Q is no covariance matrix, or where a_hat is not finite.
-    Source: Teunissen (1998), J. Geodesy 72:606-612, section 4 (there the first ambiguity comes first).
+    Source: Teunissen (1998), J. Geodesy 72:606-612 (there the first ambiguity comes first).
 
     >>> integer_bootstrapping([0.4, 0.7], [[0.05, 0.04], [0.04, 0.04]]).tolist()   # a_2 is 0.3 too small, so is a_1
     [1, 1]

@@ -1,11 +1,11 @@
 """Simulated success: draw float ambiguities, fix them, and count how often the true integers come out.
 
-The true integers are zero, without loss of generality. After decorrelation z_hat = L' D^(1/2) x with x standard normal,
-and the squared distance of zero is |x|^2. So a fix is right if no integer vector is nearer than |x|, and nothing needs
-to be searched but the inside of that ellipsoid: the search of `search` with this bound, which ends at the first vector
-found. On the way down the float values come from x directly,
+The true integers are zero, without loss of generality. After decorrelation z_hat = L' diag(sigma) x, sigma_k^2 = d_k, x
+standard normal, and the squared distance of zero is |x|^2. So a fix is right if no integer vector is nearer than |x|. The
+tree of `integer_least_squares` is searched with this bound, and left at the first vector found inside. On the way down
+the float values come from x directly,
 
-    c_k = D_k^(1/2) x_k + sum over i > k of (z_i - c_i + D_i^(1/2) x_i) L_ik,
+    c_k = sigma_k x_k + sum over i > k of (z_i - c_i + sigma_i x_i) L_ik,
 
 whose terms are zero as long as all z_i are.
 """
@@ -87,7 +87,7 @@ def simulate_success(Q, rng, samples=100_000, *, bias=None, executor=None, progr
     interface of concurrent.futures.Executor does the work, in place of this thread. `progress(done, total)` is called
     now and then with the number of samples; what it raises ends the simulation. Returns a SimulatedRate. Raises
     ValueError where Q is not a covariance matrix, bias does not fit it, or samples is no whole number, 1 or more.
-    Source: Verhagen, Li and Teunissen (2013), Computers & Geosciences 54:361-376, section 3.4.
+    Source: Verhagen, Li and Teunissen (2013), Computers & Geosciences 54:361-376.
 
     >>> rate = simulate_success([[0.25]], np.random.default_rng(1), 10_000)       # half a cycle is one sigma: 0.6827
     >>> rate.interval[0] < 0.6827 < rate.interval[1]
