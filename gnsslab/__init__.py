@@ -28,6 +28,8 @@ _HOME_OF = {
     "simulate_success": "gnsslab.core.integers",
     "constrained_integer_least_squares": "gnsslab.core.integers",
     "fix_with_length": "gnsslab.core.integers",
+    "attitude_integer_least_squares": "gnsslab.core.integers",
+    "nearest_rotation": "gnsslab.core.nearest_rotation",
     "solve_float": "gnsslab.core.mixed_model",
     "given_integers": "gnsslab.core.mixed_model",
     "FloatSolution": "gnsslab.core.mixed_model",

@@ -21,6 +21,7 @@ from gnsslab.core.integers.constrained import (
 )
 from gnsslab.core.integers.decorrelation import GOOD, Decorrelation, LtDL, decorrelate, decorrelate_kernel, ltdl
 from gnsslab.core.integers.equivariant import EquivariantSolution, best_integer_equivariant
+from gnsslab.core.integers.orthonormal import AttitudeSolution, attitude_integer_least_squares
 from gnsslab.core.integers.partial import (
     PartialSolution,
     fix_accepted_subset,
@@ -39,6 +40,7 @@ __all__ = [
     "GOOD",
     "ApertureSolution",
     "ApertureThreshold",
+    "AttitudeSolution",
     "ConstrainedSolution",
     "Decorrelation",
     "EquivariantSolution",
@@ -54,6 +56,7 @@ __all__ = [
     "adop_success_rate",
     "aperture_bootstrapping",
     "aperture_success_rate",
+    "attitude_integer_least_squares",
     "best_integer_equivariant",
     "constrained_by_shrinking",
     "constrained_integer_least_squares",
