@@ -1,12 +1,15 @@
 """What lesson 03 says in numbers is what its labs show, and its code runs."""
 
+import json
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from gnsslab.core.integers import integer_least_squares, success_rate
 from gnsslab.labs.cells import cells_lab
 from gnsslab.labs.centimetres import CONTROLS, centimetres_lab
 from gnsslab.labs.spectrum import spectrum_lab
@@ -119,6 +122,23 @@ def test_words_about_the_cells_are_the_labs():
     assert np.abs(np.linalg.det(Z)) == pytest.approx(1)
     np.testing.assert_array_equal(Z.T, [[-2, 3], [1, -1]])  # "z_1 = -2 a_1 + 3 a_2, z_2 = a_1 - a_2"
     np.testing.assert_array_equal(np.linalg.inv(Z.T).round(), [[1, 3], [1, 2]])  # "a_1 = z_1 + 3 z_2, a_2 = z_1 + 2 z_2"
+
+
+def test_table_of_published_numbers_is_the_librarys():
+    """Theirs from the record of published numbers, ours computed anew."""
+    reference = json.loads((Path(__file__).parents[1] / "reference" / "integers.json").read_text("utf-8"))
+    case = reference["ils_cases"][0]
+    found = integer_least_squares(case["a_float"], case["Q"])
+    norms = ", ".join(f"{norm:.4f}" for norm in found.norms)
+    rates = [100 * float(success_rate(example["Q"])) for example in reference["success_rate"]]
+    ours = [", ".join(map(str, found.candidates[0])), ", ".join(map(str, found.candidates[1])), norms, f"{rates[0]:.2f} %", f"{rates[1]:.1f} %"]
+    published = case["published"]
+    theirs = [", ".join(map(str, published[name])) for name in ("fixed_best", "fixed_second")]
+    theirs += [", ".join(f"{norm:.4f}" for norm in published["sqnorm"]), *(f"{example['percent']} %" for example in reference["success_rate"])]
+    rows = table_after("what the verbs of this lesson give:")
+    assert [row[2] for row in rows] == theirs
+    assert [row[3] for row in rows] == ours
+    assert [f"{value:.3f}" for value in case["a_float"]] == numbers(rows[0][1])
 
 
 def test_words_about_the_spectrum_are_the_labs():
