@@ -36,7 +36,8 @@ def determinant(Z):
 def test_factors_multiply_back(case):
     Q = matrix_of(*case)
     Z, L, d = decorrelate(Q)
-    rounding = 1e-13 * np.abs(Z.T) @ np.abs(Q) @ np.abs(Z)
+    terms = np.diag(np.abs(Z.T) @ np.abs(Q) @ np.abs(Z))
+    rounding = 1e-13 * np.sqrt(np.outer(terms, terms))  # an entry may be small by cancelling
     assert np.all(np.abs(Z.T @ Q @ Z - L.T @ np.diag(d) @ L) <= rounding)
     assert np.all(np.abs(Z.T @ Q @ Z - decorrelate(Q).Q_z) <= rounding)
     assert np.array_equal(decorrelate(Q).Q_z, decorrelate(Q).Q_z.T)
@@ -104,7 +105,7 @@ def test_factors_are_the_conditional_variances(case):
     Q = matrix_of(*case)
     for i, d_i in enumerate(ltdl(Q).d):
         told = Q[i, i + 1 :] @ np.linalg.solve(Q[i + 1 :, i + 1 :], Q[i + 1 :, i])
-        assert abs(Q[i, i] - told - d_i) <= 1e-12 * Q[i, i]
+        assert abs(Q[i, i] - told - d_i) <= 1e-10 * Q[i, i]  # condition up to 1e6
 
 
 def test_factors_of_sixty_ambiguities_a_trillion_wide(rng):
