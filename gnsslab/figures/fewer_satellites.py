@@ -38,7 +38,7 @@ def plot_fewer(result, figure=None):
 
 def build_stages(figure):
     """Lay out one bar for each number of satellites; show(result) fills them in."""
-    bars = _Bars(figure.add_axes((0.125, 0.155, 0.85, 0.665)))
+    bars = _Bars(figure.add_axes((0.125, 0.155, 0.85, 0.70)))
     figure.legend(handles=bars.named, loc="upper left", ncols=3, fontsize=9, handlelength=1.4, handletextpad=0.5, columnspacing=1.2, labelspacing=0.4)
     return Scene(bars.moving, bars.show)
 

@@ -145,19 +145,10 @@ class _Shares:
         axes.grid(False, axis="y")
         self.bars = axes.barh(self.rows, np.zeros(len(NAMES)), height=0.62, color=RIGHT_COLOR)
         (self.errors,) = axes.plot([], [], color="#444444", linewidth=2, label="error of the count, 95 %")
-        (self.claims,) = axes.plot(
-            [], [], "D", color="white", markeredgecolor=CLAIM_COLOR, markeredgewidth=1.6, markersize=8, label="what it claims itself"
-        )
+        diamond = {"color": "white", "markeredgecolor": CLAIM_COLOR, "markeredgewidth": 1.6, "markersize": 8}
+        (self.claims,) = axes.plot([], [], "D", label="what it claims itself", **diamond)
         self.numbers = [axes.text(0, row, "", va="center", fontsize=9) for row in self.rows]
-        axes.legend(
-            handles=[self.claims, self.errors],
-            loc="lower left",
-            ncols=2,
-            bbox_to_anchor=(-0.25, 1.0),
-            fontsize=9,
-            handlelength=1.2,
-            columnspacing=1.2,
-        )
+        axes.legend(handles=[self.claims, self.errors], loc="lower left", ncols=2, bbox_to_anchor=(-0.25, 1.0), handlelength=1.2, columnspacing=1.2)
 
     @property
     def moving(self):

@@ -38,7 +38,7 @@ FILES = ("master_file", "rover_file", "navigation_file")
 CONTROLS = (
     Choice("data", "Data", {"two antennas, 1 m": "roof", "two stations, 3.3 km": "stations", "simulated": "simulated", "my files": "mine"}, "roof",
            help="A roof in Nagoya for five minutes, two stations in Japan for an hour, simulated, or your own RINEX files."),
-    Slider("satellites", "Satellites left", FEWEST, MOST, 1, 6, help="Of GPS. The picture below shows the epochs with so many."),
+    Slider("satellites", "Satellites left", FEWEST, MOST, 1, 6, help="Of GPS. The second picture shows the epochs with so many."),
     Choice("frequencies", "Frequencies", {"one": 1, "two": 2}, 1, help="L1, or L1 and L2."),
     Choice("order", "The next to go", {"lowest (hurts least)": "lowest", "highest (hurts most)": "highest", "eastern": "east", "southern": "south"},
            "lowest", help="Eastern, southern: as if a wall grew on that side."),
@@ -378,7 +378,7 @@ def broken_at(result):
 def _breaks(result):
     count, most = broken_at(result), len(result.stages[0].satellites)
     if count:
-        return Readout("Breaks at", str(count), "", f"satellites: fewer than half the epochs right; with {most} {100 * result.shares[0].right:.0f} %")
+        return Readout("Breaks at", str(count), "", f"satellites: fewer than half are right; {100 * result.shares[0].right:.0f} % with {most}")
     return Readout("Breaks at", "none", "", f"half the epochs and more are right, from {most} satellites to {FEWEST}")
 
 
