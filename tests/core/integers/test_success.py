@@ -106,6 +106,15 @@ def test_published_bounds(variables):
     assert bounds.is_sharp
 
 
+def test_sharpest_of_the_published_bounds():
+    bounds = success_bounds(PUBLISHED["bounds"]["Q"])
+    assert (bounds.lower, bounds.upper) == (bounds.pull_in_lower, bounds.pull_in_upper)
+    assert repr(bounds) == "SuccessBounds: bootstrapping 90.41%, integer least squares 94.90% to 97.13%"
+    stack = success_bounds([PUBLISHED["bounds"]["Q"]] * 3)
+    assert stack.upper.shape == stack.lower.shape == (3,)
+    assert repr(stack) == "SuccessBounds: 3 covariances"
+
+
 def test_published_simulated_bootstrapping(rng):
     """10^6 samples there, 10^5 here, and the exact value between them."""
     Q, N = np.array(PUBLISHED["bounds"]["Q"]), 100_000
