@@ -1,0 +1,149 @@
+"""Lesson 04 in a real browser, through the real server: four labs on one page."""
+
+import time
+
+import pytest
+
+PATIENCE = 90_000  # [ms], the very first load compiles kernels
+SLIDERS = {
+    "trust": ("Satellites", "Code noise", "Multipath", "Threshold", "Tolerated failures"),
+    "soft-fixing": ("Satellites", "Code noise", "Satellites behind trees"),
+    "known-length": ("Distance of the antennas", "You enter too much by", "Satellites", "Code noise"),
+    "fewer-satellites": ("Satellites left",),
+}
+
+
+@pytest.fixture
+def lesson(visit):
+    """The lesson with all labs open."""
+
+    def open_lesson(query="", **how):
+        page = visit(f"/lesson/04/{query}", **how)
+        page.get_by_role("radio", name="four", exact=True).click(timeout=PATIENCE)
+        for lab in SLIDERS:
+            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+        return page
+
+    return open_lesson
+
+
+def _stage(page, lab):
+    return page.locator(f'.gl-stage[data-lab="{lab}"]')
+
+
+def _readouts(page, lab):
+    return _stage(page, lab).locator(".gl-readouts").inner_text()
+
+
+def _await_change(page, lab, before):
+    deadline = time.monotonic() + PATIENCE / 1000
+    while _readouts(page, lab) == before:
+        assert time.monotonic() < deadline, "nothing changed"
+        page.wait_for_timeout(20)
+    return _readouts(page, lab)
+
+
+@pytest.mark.parametrize("lab", SLIDERS)
+def test_each_slider_changes_the_readouts(lesson, lab, dataset):
+    dataset("matrtklib-static")
+    page = lesson()
+    for name in SLIDERS[lab]:
+        slider = _stage(page, lab).get_by_role("slider", name=name, exact=False).first
+        for key in ("Home", "End") if slider.get_attribute("aria-valuenow") != slider.get_attribute("aria-valuemin") else ("End", "Home"):
+            before = _readouts(page, lab)
+            slider.press(key)
+            _await_change(page, lab, before)
+
+
+def test_the_stairs_have_a_slider_of_their_own(lesson):
+    """It moves no readout: the picture and its words change."""
+    page = lesson()
+    picture = _stage(page, "soft-fixing").locator(".gl-pictures img").first
+    _stage(page, "soft-fixing").get_by_role("slider", name="Sigma of one ambiguity").press("End")
+    page.locator('.gl-stage[data-lab="soft-fixing"] .gl-pictures img[alt*="sigma 0.80 cycles"]').wait_for(timeout=PATIENCE)
+    assert "best equivariant" in picture.get_attribute("alt")
+
+
+def test_presets_by_their_buttons_leave_the_other_labs_alone(lesson):
+    page = lesson()
+    others = {lab: _readouts(page, lab) for lab in SLIDERS if lab != "trust"}
+    before = _readouts(page, "trust")
+    page.get_by_role("button", name="Multipath", exact=True).click()
+    assert "55.7" in _await_change(page, "trust", before)
+    assert {lab: _readouts(page, lab) for lab in others} == others
+
+
+def test_a_preset_by_link(lesson):
+    page = lesson("?preset=trees")
+    page.get_by_text("One poor satellite").wait_for(timeout=PATIENCE)
+    assert "13 of 14" in _readouts(page, "soft-fixing")
+
+
+def test_the_fixed_failure_rate_switches_the_threshold_off(lesson):
+    page = lesson()
+    before = _readouts(page, "trust")
+    _stage(page, "trust").get_by_role("combobox", name="Test").select_option(label="fixed failure rate")
+    assert "threshold 1.54" in _await_change(page, "trust", before)
+    _stage(page, "trust").get_by_text("no effect: the tolerated failures set the threshold").wait_for(timeout=PATIENCE)
+
+
+def test_the_printed_error_is_switched_in(lesson):
+    page = lesson()
+    before = _readouts(page, "trust")
+    _stage(page, "trust").get_by_text("more", exact=True).click()
+    _stage(page, "trust").get_by_role("radio", name="upside down").click()
+    after = _await_change(page, "trust", before)
+    assert "59.9" in after
+    assert "6.4" in after
+
+
+def test_the_length_is_used_once_and_twice(lesson):
+    page = lesson()
+    before = _readouts(page, "known-length")
+    assert "96.0" in before
+    _stage(page, "known-length").get_by_role("combobox", name="Length goes into").select_option(label="row and search: twice")
+    assert "22.0" in _await_change(page, "known-length", before)
+
+
+def test_real_epochs_break_with_five_satellites(lesson, dataset):
+    dataset("matrtklib-static")
+    page = lesson()
+    before = _readouts(page, "fewer-satellites")
+    _stage(page, "fewer-satellites").get_by_role("slider", name="Satellites left").press("ArrowLeft")
+    assert "25.7" in _await_change(page, "fewer-satellites", before)
+
+
+def test_a_wrong_and_a_right_answer_get_the_right_word(lesson):
+    page = lesson()
+    field = page.get_by_role("textbox", name="Your answer [cycles]")
+    for typed, words in (("0.4", "it forgets that the truth is an integer"), ("0,248", "Right: 0.248 cycles")):
+        field.fill(typed)
+        field.press("Tab")
+        page.get_by_text(words).wait_for(timeout=PATIENCE)
+
+
+def test_goal_is_reached_live(lesson):
+    page = lesson("?lab=soft-fixing&satellites=8&code_noise=0.3")
+    page.locator(".gl-reached").get_by_text("Reached.").wait_for(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_overflows(lesson, width, scheme):
+    page = lesson(width=width, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    widest = page.evaluate(
+        "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(e => e.getBoundingClientRect().right))"
+    )
+    assert widest <= width
+
+
+def test_pictures_have_words(lesson):
+    page = lesson()
+    for lab, words in (
+        ("trust", "Counted in 10000 epochs"),
+        ("soft-fixing", "2000 epochs"),
+        ("known-length", "map"),
+        ("fewer-satellites", "satellites"),
+    ):
+        assert words in _stage(page, lab).locator(".gl-pictures img").first.get_attribute("alt")
