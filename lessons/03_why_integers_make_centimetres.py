@@ -263,6 +263,8 @@ def _(lesson, prediction):
     4. Press **Step by step**, and move **Nodes shown** to the right. The search goes down to a first answer, then back up, to see whether another
        branch can still be better. When none can, the answer is proved.
     5. Press **Three ambiguities**, then **Three, decorrelated**. The same float point, the same answer: 46 nodes, then 7.
+    6. Press **Wide lane**. Two frequencies of one pair of satellites. Decorrelation takes the difference of the two, the *wide lane*, by itself: surveyors
+       found it by hand.
     """)
     return
 

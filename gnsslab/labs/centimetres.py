@@ -28,7 +28,7 @@ BAND_NAMES = {1: "L1", 2: "L1+L2", 3: "L1+L2+L5"}
 REAL_DATA = "geonet-0759-3040"
 KEPT = 4
 FILES = ("master_file", "rover_file", "navigation_file")
-SPAN = (1, 2, 3, 5, 8, 12, 20, 30, 45, 60)  # epochs together at which the promise is worked out
+SPAN = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 60)  # epochs together at which the promise is worked out
 
 CONTROLS = (
     Choice("data", "Data", {"simulated": "simulated", "real pair": "real", "my files": "mine"}, "simulated",

@@ -9,7 +9,10 @@ import pytest
 from gnsslab.data import DataUnavailable
 from gnsslab.labs import campaigns, centimetres
 from gnsslab.labs.centimetres import DRAWN, centimetres_lab, simulate_epochs
+from gnsslab.labs.epoch_solutions import float_solutions, middle
+from gnsslab.labs.pair_epochs import choose_epochs, model_pair
 from gnsslab.simulate import find_preset, simulate, write_simulation
+from gnsslab.simulate.receivers import white_factor
 
 MM = 1e-3
 
@@ -207,6 +210,16 @@ def test_real_epochs_together_shrink_less_than_the_root(lab, dataset):
     assert len(many) == 61
     shrunk = np.sqrt(np.mean(one[:, :2] ** 2) / np.mean(many[:, :2] ** 2))
     assert 1.5 < shrunk < 0.6 * np.sqrt(60)
+
+
+def test_real_float_positions_by_the_closed_form(lab, campaign):
+    """Second route: in an epoch the codes alone give the position, b_hat = (B' W B)^-1 B' W y_code."""
+    data = campaign("geonet-0759-3040")
+    epochs = choose_epochs(model_pair(data.base, data.rover, data.ephemerides, 2), 6, np.radians(10), 5)
+    growth = white_factor(epochs.elevation) / np.sqrt(5)
+    found, result = float_solutions(epochs, 0.3 * growth, 3 * MM * growth), lab.run(data="real", satellites=6, epochs=5)
+    np.testing.assert_allclose(result.float_enu, found.b_hat, atol=1e-6)
+    np.testing.assert_allclose(result.Q_float, middle(found).Q_b, rtol=1e-6)
 
 
 def test_without_network_and_mirror_the_lab_goes_on(monkeypatch):
