@@ -30,7 +30,7 @@ class PairEpochs:
     y: np.ndarray  # (T, 2 f (m - 1)) [m], double differences: codes first, then carriers, frequency by frequency
     u: np.ndarray  # (1, m, 3) or (T, m, 3) unit vectors to the satellites, east, north, up
     wavelengths: np.ndarray  # (f,) [m]
-    integers: np.ndarray  # (f (m - 1),) int [cycles], the true ones
+    integers: np.ndarray  # (f (m - 1),) int [cycles], the true ones, counted from those that the first epoch's codes suggest
     satellites: tuple[str, ...]  # (m,) highest first
 
     @property
@@ -63,6 +63,7 @@ def choose_epochs(pair_model, satellites, mask, together):
     chosen, u = chosen[order], u[:, order]
     code, phase = (values[rows][:, channels[:, chosen]] for values in (model.code, model.phase))  # (T, f, m)
     wavelengths = model.pair.wavelength[channels[:, chosen[0]]]
+    phase -= wavelengths[:, None] * np.rint((phase[0] - code[0]) / wavelengths[:, None])  # receivers count from anywhere: 1e7 m would cost digits
     integers = np.rint(np.median((phase - phase[..., :1]) / wavelengths[:, None], axis=0)).astype(np.int64)  # (f, m)
     D = difference_operator(len(chosen), 0)
     return PairEpochs(

@@ -21,6 +21,7 @@ def test_what_is_left_of_the_measurements_is_their_noise(stations):
     code, carrier = epochs.y[:, :n], epochs.y[:, n:] - np.repeat(epochs.wavelengths, 5) * epochs.integers
     assert 0.05 < code.std() < 2.0
     assert np.abs(carrier).max() < 0.06
+    assert np.abs(epochs.integers).max() < 30  # as far off as the codes of one epoch
     np.testing.assert_allclose(epochs.wavelengths, [0.190294, 0.244210], atol=1e-6)
 
 
