@@ -35,9 +35,9 @@ def plot_soft_fixing(result, figure=None):
 def build_errors(figure):
     """Lay out the shares of errors, the staircase of one ambiguity and the risks of a partial fix; show(result) fills them in."""
     parts = (
-        _Shares(figure.add_axes((0.115, 0.505, 0.86, 0.36)), figure),
-        _Staircase(figure.add_axes((0.115, 0.09, 0.345, 0.275))),
-        _Risks(figure.add_axes((0.63, 0.09, 0.345, 0.275))),
+        _Shares(figure.add_axes((0.13, 0.50, 0.84, 0.36)), figure),
+        _Staircase(figure.add_axes((0.13, 0.095, 0.325, 0.27))),
+        _Risks(figure.add_axes((0.645, 0.095, 0.325, 0.27))),
     )
 
     def show(result):
@@ -73,7 +73,7 @@ class _Shares:
             (self.marks[way],) = axes.plot([], [], **(style | {"linestyle": ""}), markeredgecolor="white", clip_on=False)
         legend = [axes.plot([], [], label=name, **STYLE[way])[0] for way, name in NAMES.items()]
         figure.legend(
-            handles=legend, loc="upper left", bbox_to_anchor=(0.06, 1.0), ncols=2, fontsize=9, handlelength=3.4, columnspacing=1.5, labelspacing=0.25
+            handles=legend, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=9.5, handlelength=3.2, columnspacing=1.2, labelspacing=0.25
         )
 
     @property

@@ -56,9 +56,9 @@ PRESETS = (
            "Fixing always is worse than not fixing at all; the soft estimate is better than both."),
     Preset("plenty", "Plenty", {"frequencies": 2},
            "Nothing to decide: all ways but float lie on one line, and the soft estimate has one integer vector left."),
-    Preset("steps", "Nearly steps", {"sigma": 0.1},
+    Preset("steps", "Steps", {"sigma": 0.1},
            "Look at the stairs: a precise ambiguity is all but rounded, and only half-way between two integers does the curve hesitate."),
-    Preset("ramp", "Nearly a ramp", {"sigma": 0.6},
+    Preset("ramp", "Ramp", {"sigma": 0.6},
            "Look at the stairs: where sigma is half a cycle the integers tell you nothing, and the soft estimate leaves the float value as it is."),
 )  # fmt: skip
 
@@ -190,7 +190,7 @@ def drawings():
     """Return the two pictures of the lab."""
     from gnsslab.figures.soft_fixing import build_errors, build_single
 
-    return Drawing("errors", build_errors, 500, 520), Drawing("single", build_single, 330, 330)
+    return Drawing("errors", build_errors, 440, 500), Drawing("single", build_single, 320, 320)
 
 
 def describe(result):
