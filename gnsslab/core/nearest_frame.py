@@ -28,14 +28,16 @@ import math
 import numpy as np
 
 from gnsslab.core.jit import kernel, matrix, vector
+from gnsslab.core.sphere import principal_axes
 
 _MOST_CLIMBS = 30  # four to ten are usual
-_MOST_DESCENTS = 100  # five to fifteen are usual
+_MOST_DESCENTS = 200  # five to fifteen are usual; narrow valleys take more
 _HOPELESS = 10.0  # a Newton step that foresees less than a tenth of what is missing will not get there in the next steps either
 _SMALLEST_CLIMB = 1e-4  # part of a Newton step; shorter ones are taken only where the maximum lies on the edge of K > 0
 _GAIN = 1e-12  # relative: what Newton's next step would add to a bound is rounding
-_STILL = 1e-9  # [rad] a turn too small to matter
-_DAMPING = 1e-12, 1e-3  # of the curvature: always, and where a full step would not go down
+_STILL = 1e-10  # [rad] a turn too small to matter
+_LONGEST_TURN = 1.0  # [rad] along one axis: farther away the curvature is another
+_FLAT = 1e-14  # of the largest curvature: no curvature, as about the line of antennas in line
 MEETING = 1e-7  # relative, and in squared sigmas: bound and misfit are one number
 
 
@@ -73,7 +75,8 @@ def frame_bound(M, u_hat, enough, v):
     p, rho = len(u_hat), len(u_hat) // 3
     count = rho * (rho + 1) // 2
     K, C, A, H, F = matrix(p, p), matrix(p, p), matrix(count, p), matrix(count, count), matrix(count, count)
-    multipliers, trial, step, off, off_hat, w, v_trial = vector(count), vector(count), vector(count), vector(count), vector(count), vector(p), vector(p)
+    scratch, w, v_trial = matrix(5, count), vector(p), vector(p)
+    multipliers, trial, step, off, off_hat = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]
     conditions(u_hat, A, off_hat)
     bound = bound_by(multipliers, M, u_hat, off_hat, K, C, w, v)
     for _ in range(_MOST_CLIMBS):
@@ -170,32 +173,45 @@ def climb(C, A, off, H, F, step):
 def descend(M, u_hat, E):
     """Turn the frame in the rows of E (3, 3) down to a minimum of its squared distance to u_hat, and return that.
 
-    Newton's steps, damped where the curvature is not positive or a full step would go up.
+    Newton's steps with the curvature taken as positive along each of its principal axes, halved until they go down.
     """
     p = len(u_hat)
-    y, J, MJ, H, F, theta, turned = vector(p), matrix(3, p), matrix(3, p), matrix(3, 3), matrix(3, 3), vector(3), matrix(3, 3)
-    damping, misfit = _DAMPING[0], misfit_of(M, u_hat, E, y)
+    y, J, MJ, H, V, turned = vector(p), matrix(3, p), matrix(3, p), matrix(3, 3), matrix(3, 3), matrix(3, 3)
+    slope, curvature, theta = vector(3), vector(3), vector(3)
+    misfit = misfit_of(M, u_hat, E, y)
     for _ in range(_MOST_DESCENTS):
-        curve(M, E, y, J, MJ, H, theta)
-        strength = damping * (abs(H[0][0]) + abs(H[1][1]) + abs(H[2][2]))
-        for i in range(3):
-            H[i][i] += strength
-        damping = max(10.0 * damping, _DAMPING[1])
-        if not cholesky(H, F):
-            continue
-        forward(F, theta)
-        backward(F, theta)
-        turn(E, theta, turned)
-        value = misfit_of(M, u_hat, turned, y)
-        if value <= misfit:
-            misfit, damping = value, _DAMPING[0]
-            for j in range(9):
-                E[j // 3][j % 3] = turned[j // 3][j % 3]
-        else:
-            misfit_of(M, u_hat, E, y)
-        if theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2 < _STILL**2:
+        curve(M, E, y, J, MJ, H, slope)
+        principal_axes(H, curvature, V)
+        size = newton_turn(slope, curvature, V, theta)
+        value = math.inf
+        while not value < misfit and size > _STILL:
+            turn(E, theta, turned)
+            value = misfit_of(M, u_hat, turned, y)
+            size *= 0.5
+            for a in range(3):
+                theta[a] *= 0.5
+        if not value < misfit:
             break
+        misfit = value
+        for j in range(9):
+            E[j // 3][j % 3] = turned[j // 3][j % 3]
     return misfit
+
+
+@kernel
+def newton_turn(slope, curvature, V, theta):
+    """Write the turn theta = sum of v (v . slope) / |curvature| over the principal axes v, rows of V, and return its size [rad]."""
+    largest, square = max(abs(curvature[0]), abs(curvature[1]), abs(curvature[2])), 0.0
+    for a in range(3):
+        theta[a] = 0.0
+    for i in range(3):
+        along = V[i][0] * slope[0] + V[i][1] * slope[1] + V[i][2] * slope[2]
+        along /= max(abs(curvature[i]), _FLAT * largest)
+        along = max(-_LONGEST_TURN, min(_LONGEST_TURN, along))
+        square += along * along
+        for a in range(3):
+            theta[a] += along * V[i][a]
+    return math.sqrt(square)
 
 
 @kernel
@@ -214,14 +230,14 @@ def misfit_of(M, u_hat, E, y):
 
 
 @kernel
-def curve(M, E, y, J, MJ, H, theta):
-    """Write half the curvature H (3, 3) of the misfit, and minus half its slope to theta (3,), for turns u_j -> u_j + theta x u_j + ...
+def curve(M, E, y, J, MJ, H, slope):
+    """Write half the curvature H (3, 3) of the misfit, and minus half its slope (3,), for turns u_j -> u_j + theta x u_j + ...
 
-    theta = -sum of u_j x y_j,    H = J' M J + sum of (u_j y_j' + y_j u_j') / 2 - (u_j . y_j) I,    J_j = -[u_j x]
+    slope = -sum of u_j x y_j,    H = J' M J + sum of (u_j y_j' + y_j u_j') / 2 - (u_j . y_j) I,    J_j = -[u_j x]
     """
     p = len(y)
     for a in range(3):
-        theta[a] = 0.0
+        slope[a] = 0.0
         for b in range(3):
             H[a][b] = 0.0
         for i in range(p):
@@ -230,7 +246,7 @@ def curve(M, E, y, J, MJ, H, theta):
         u, y_j = E[j], (y[3 * j], y[3 * j + 1], y[3 * j + 2])
         for a in range(3):
             b, c = (a + 1) % 3, (a + 2) % 3
-            theta[a] -= u[b] * y_j[c] - u[c] * y_j[b]
+            slope[a] -= u[b] * y_j[c] - u[c] * y_j[b]
             J[a][3 * j + b], J[a][3 * j + c] = -u[c], u[b]
             H[a][a] -= u[b] * y_j[b] + u[c] * y_j[c]
             H[a][b] += 0.5 * (u[a] * y_j[b] + u[b] * y_j[a])
@@ -242,8 +258,7 @@ def curve(M, E, y, J, MJ, H, theta):
                 MJ[a][i] += M[i][k] * J[a][k]
         for b in range(3):
             for i in range(p):
-                if b <= a:
-                    H[a][b] += J[b][i] * MJ[a][i]
+                H[a][b] += J[b][i] * MJ[a][i]
 
 
 @kernel

@@ -91,7 +91,7 @@ def attitude_integer_least_squares(a_hat, Q_a, b_hat, Q_b, Q_ba, body, n_best=2,
     >>> found = attitude_integer_least_squares(
     ...     [5.5, 5.0], 1.0025 * np.eye(2), [[1.1, 0.0, 0.0], [0.0, 1.0, 0.0]], 0.04 * np.eye(6), Q_ba, body)
     >>> found.best.tolist(), found.norms[:1].round(4).tolist(), found.baselines[0].round(3).tolist()
-    ([6, 5], [0.2494], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    ([6, 5], [0.25], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     """
     n_best, node_limit = checked_count(n_best, "n_best"), checked_count(node_limit, "node_limit")
     problem = _checked(a_hat, Q_a, b_hat, Q_b, Q_ba, checked_body(body))
