@@ -97,6 +97,8 @@ def test_scene_is_an_epoch_of_the_roof(fewer, dataset):
     assert stage.off_fixed[24] == pytest.approx(0.36, abs=0.005)
     sigma = np.sqrt(np.diag(given_integers(stage.solution, np.rint(stage.solution.a_hat))[1]))
     np.testing.assert_allclose(sigma, [6 * MM, 13 * MM, 17 * MM], atol=0.6 * MM)
+    nine = fewer.run(satellites=9).stage  # all right, so these are the true ones
+    assert 4 * np.median(nine.norms[:, 0]) / nine.n == pytest.approx(0.6, abs=0.05)
     says("ratio 10.1", "6 mm, 13 mm and 17 mm", "At the 25th", "**36 cm**", "squared distances were **0.010 and 0.104**", "off by 0.36 m")
 
 
@@ -245,3 +247,11 @@ def test_table_of_thresholds(trust):
     printed = [mu[0.01, rate, 8] for rate in (0.05, 0.1)]
     assert row("threshold") == pytest.approx([*printed, 1 / tolerated.chosen.threshold, 100 * wrong], abs=0.006 + 0.04)
     says("1/1.54 = 0.65")
+
+
+def test_table_of_multipath(trust):
+    biased = at(trust, "biased")
+    assert row("multipath that the model ignores")[-2:] == pytest.approx(
+        [100 * biased.model.claims[1].low, 100 * (1 - biased.counted.rate)], abs=0.05
+    )
+    assert 100 * float(adop_success_rate(0.0755, 28)) > 99.99  # "promises everything"

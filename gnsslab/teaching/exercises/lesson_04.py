@@ -132,8 +132,8 @@ QUESTIONS = (
         ),
         solution=(
             r"$\exp\frac{0.104 - 0.010}{2} = \exp 0.047 = 1.048$: as good as even." "\n\n"
-            "Both fit splendidly. One redundant measurement is left, and it can be fitted by many integers. With ten of them the squared "
-            "distances would be about 10 and 100, and the odds astronomical, at the same ratio."
+            "Both fit better than the true ones usually do: among many vectors some come close by chance. "
+            "In a model with ten ambiguities the true ones have about 10. If the second best have 100, the odds are astronomical, at the same ratio."
         ),
         mistakes=(
             UsualMistake(10.0, "That is the ratio. Probabilities go with the difference of the squared distances, not with their ratio."),
