@@ -28,6 +28,9 @@ for n in (1, 2, 5, 9):
     F = rng.standard_normal((3, n))
     known = integers.constrained_integer_least_squares(a, Q, rng.standard_normal((3, 3)), F @ Q @ F.T + 0.1 * np.eye(3), F @ Q, 1.0)
     out["answers"].append([known.candidates.tolist(), known.norms.tolist(), known.nodes.tolist(), known.baselines.tolist()])
+    F, body = rng.standard_normal((6, n)), [[1.0, 0.0, 0.0], [0.3, 0.8, 0.0]]
+    turned = integers.attitude_integer_least_squares(a[:1], Q, rng.standard_normal((1, 2, 3)), F @ Q @ F.T + 0.1 * np.eye(6), F @ Q, body)
+    out["answers"].append([turned.candidates.tolist(), turned.norms.tolist(), turned.nodes.tolist(), turned.rotations.tolist()])
     mean = integers.best_integer_equivariant(a, 0.3 * Q / integers.adop(Q), neglected=1e-3, most_integers=3000)
     out["answers"].append([mean.a.tolist(), mean.integers.tolist(), mean.greatest_weight.tolist()])
     out["answers"].append([s.candidates.tolist(), s.norms.tolist(), s.nodes.tolist(), D.Z.tolist(), D.L.tolist(), D.d.tolist()])
@@ -57,7 +60,7 @@ def test_same_answers_with_and_without_compilation(plain, tmp_path):
     pytest.importorskip("numba")
     compiled = run(NUMBA_CACHE_DIR=str(tmp_path), HOME=str(tmp_path))
     assert compiled["compiled"]
-    assert len(plain["answers"]) == 12
+    assert len(plain["answers"]) == 16
     assert compiled["answers"] == plain["answers"]  # to the last bit: same operations in the same order
     assert list(tmp_path.rglob("*.nbi")), "nothing was kept for the next process"
 
