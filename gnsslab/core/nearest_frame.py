@@ -18,16 +18,17 @@ may be several minima. So the answer is looked for from two sides:
 
 Where both meet, the minimum is proved to be the global one: the usual case where the axes nearly fit. Else the descent starts
 from the 24 rotations of the cube as well (no rotation is farther than 63 degrees from all of them), and the lowest counts.
-Source: Briales and Gonzalez-Jimenez (2017), CVPR, 5612-5621 (bounds of registration problems by multipliers);
+Source: Briales and Gonzalez-Jimenez (2017), CVPR (bounds of registration problems by multipliers);
 Absil, Mahony and Sepulchre (2008), Optimization algorithms on matrix manifolds, chapter 6 (Newton's method on rotations).
 """
 
 import itertools
 import math
+from functools import cache
 
 import numpy as np
 
-from gnsslab.core.jit import kernel, matrix, vector
+from gnsslab.core.jit import kernel, kernel_input, matrix, vector
 from gnsslab.core.sphere import principal_axes
 
 _MOST_CLIMBS = 30  # four to ten are usual
@@ -41,10 +42,11 @@ _FLAT = 1e-14  # of the largest curvature: no curvature, as about the line of an
 MEETING = 1e-7  # relative, and in squared sigmas: bound and misfit are one number
 
 
+@cache
 def rotations_of_the_cube():
-    """Return the 24 rotations (24, 9) that take a cube to itself, the rows of each one after the other."""
+    """Return the 24 rotations (24, 9) that take a cube to itself, the rows of each one after the other, for a kernel."""
     signed = [np.diag(signs)[list(order)] for order in itertools.permutations(range(3)) for signs in itertools.product((1.0, -1.0), repeat=3)]
-    return np.array([R.ravel() for R in signed if np.linalg.det(R) > 0])
+    return kernel_input([R.ravel() for R in signed if np.linalg.det(R) > 0])
 
 
 @kernel

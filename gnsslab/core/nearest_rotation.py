@@ -68,7 +68,7 @@ def nearest_rotation(b, Q_b, body):
 def frame_near(u_hat, M):
     """Return the orthonormal frame nearest to u_hat (3 rho,) in the metric of M as rows (3, 3), its squared distance, and the lower bound."""
     E = matrix(3, 3)
-    misfit, bound = nearest_frame(kernel_input(M), kernel_input(u_hat), kernel_input(rotations_of_the_cube()), E)
+    misfit, bound = nearest_frame(kernel_input(M), kernel_input(u_hat), rotations_of_the_cube(), E)
     return np.asarray(E), misfit, bound
 
 

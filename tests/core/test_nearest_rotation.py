@@ -179,7 +179,7 @@ def test_a_stack_of_measurements(rng):
 
 
 def test_the_rotations_of_the_cube():
-    R = rotations_of_the_cube().reshape(24, 3, 3)
+    R = np.reshape(rotations_of_the_cube(), (24, 3, 3))
     assert len({tuple(matrix.ravel()) for matrix in R}) == 24
     assert np.allclose(R @ R.mT, np.eye(3))
     assert np.allclose(np.linalg.det(R), 1.0)

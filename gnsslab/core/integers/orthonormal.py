@@ -10,10 +10,12 @@ covariance: baselines that share an antenna are correlated.
 2. The integers are decorrelated baseline by baseline, and searched one baseline after the other: once the first baseline is known,
    its length has been asked for, and at the second the angle between them.
 3. Below a node with z_k ... z_n chosen every vector costs at least sum over i >= k of (c_i - z_i)^2 / d_i and the distance of u, given these
-   integers, from any orthonormal frame. At the bottom that distance is found itself (`nearest_frame`).
+   integers, from any orthonormal frame. At the bottom that distance is found itself; in the cases that its lower bound does not prove, it is
+   the lowest of the minima found from 25 starts (`nearest_frame`).
 4. The bound expands until n_best vectors cost less. Each round finished proves what it has found.
 
-The second best vector often costs ten to thirty times as much as the best: the search for it takes nearly all of the time.
+The second best vector often costs ten to thirty times as much as the best, and the search for it takes nearly all of the time: ask for
+n_best=1 where the ratio is not wanted. With three baselines the node limit mostly comes first; then the ratio is a lower bound.
 """
 
 from typing import NamedTuple
@@ -28,7 +30,7 @@ from gnsslab.core.nearest_frame import rotations_of_the_cube
 from gnsslab.core.nearest_rotation import body_axes, checked_body, frame_near, rotation_of_frame
 
 NODE_LIMIT = 100_000  # about a fifth of a second of compiled search: the best needs 50 to 1000, the second of two baselines some 10 000
-_GROWTH = 2.0  # of the bound: one twice too large costs 2^(n/2) times the nodes, one too small another round
+_GROWTH = 1.5  # of the bound: one too large by this costs 1.5^(n/2) times the nodes, one too small another round
 _ASYMMETRY = 1e-8  # |Q_ij - Q_ji| / sqrt(Q_ii Q_jj): rounding stays below, a wrong formula does not
 _NO_FRACTION = 2.0**51  # float64 of this size and more come in steps of a half or an integer
 
@@ -81,7 +83,7 @@ def attitude_integer_least_squares(a_hat, Q_a, b_hat, Q_b, Q_ba, body, n_best=2,
     lengths and angles, else they count twice. One baseline is C-LAMBDA (`constrained_integer_least_squares` is quicker).
     Returns an AttitudeSolution. Raises ValueError where shapes do not fit, the joint covariance is not positive definite,
     antennas are in one place or anything is not finite.
-    Source: Teunissen (2007), J. Global Positioning Systems; Giorgi, Teunissen, Verhagen and Buist (2012), Adv. Space Res. 49:118-134.
+    Source: Teunissen (2007), Artificial Satellites 42:97-111; Giorgi, Teunissen, Verhagen and Buist (2010), Adv. Space Res. 46:118-129.
 
     Antennas a metre east and a metre north of a third; carriers of 0.2 m from the east for the one, from the north for the other.
     To the float 5.5 cycles 5 and 6 are equally near, but only 6 make the first baseline, 1.1 m by the code, a metre long:
@@ -115,10 +117,12 @@ class _Problem(NamedTuple):
 class _Tree(NamedTuple):
     """What all float solutions of one covariance share in the search; levels are searched from the last to the first."""
 
-    combinations: Decorrelation  # z = Z' a, and the factors of their covariance
+    Z: np.ndarray  # (n, n) int64, z = Z' a
+    inverse: np.ndarray  # (n, n) int64, of Z
+    L: np.ndarray  # (n, n), Q_z = L' diag(d) L
     G: np.ndarray  # (n, 3 rho), what z_k - c_k moves the axes u
     weights: np.ndarray  # (n, 3 rho, 3 rho) of u given z_k ... z_n
-    q_max: np.ndarray  # (n,), the largest eigenvalues of their inverses
+    kernel_inputs: list  # d (n,), G, weights and q_max (n,), the largest eigenvalues of their inverses
 
 
 class _Found(NamedTuple):
@@ -192,7 +196,8 @@ def _grown(Q, n, k):
     G = np.linalg.solve(L.T * d, Z.T @ Q[:n, n:])  # L' diag(d) G = Q_zu
     known = d[:, None, None] * G[:, :, None] * G[:, None, :]  # (n, p, p), what one more integer takes off the covariance
     spread = Q[n:, n:] - np.cumsum(known[::-1], axis=0)[::-1]
-    return _Tree(Decorrelation(Z, L, d), G, np.linalg.inv(spread), np.linalg.eigvalsh(spread)[:, -1])
+    weights, q_max = np.linalg.inv(spread), np.linalg.eigvalsh(spread)[:, -1]
+    return _Tree(Z, Decorrelation(Z, L, d).inverse, L, G, weights, [kernel_input(array) for array in (d, G, weights, q_max)])
 
 
 def _decorrelated_in_parts(Q, parts):
@@ -207,25 +212,30 @@ def _decorrelated_in_parts(Q, parts):
 
 
 def _search(tree, x, n_best, node_limit):
-    """Return what was _Found for one float solution x (n + 3 rho,), the bound expanding until n_best vectors cost less."""
-    Z, L, d = tree.combinations
-    n = len(d)
+    """Return what was _Found for one float solution x (n + 3 rho,)."""
+    n = len(tree.Z)
     shift, u_hat = np.rint(x[:n]), x[n:]
-    z_hat = Z.T @ (x[:n] - shift)
-    arrays = [kernel_input(array) for array in (np.column_stack([L.T, z_hat]), d, *tree[1:], u_hat, rotations_of_the_cube())]
-    bound, nodes, searched, count = 2.0 * (n + _conditions(u_hat)), 0, 0.0, 0  # twice the mean cost of the true integers
+    z_hat = tree.Z.T @ (x[:n] - shift)
+    z, norms, nodes, searched = _expanded(tree, z_hat, u_hat, n_best, node_limit)
+    u = u_hat + np.linalg.solve(tree.L.T, (z - z_hat).T).T @ tree.G  # (count, 3 rho), given the integers
+    frames = np.reshape([frame_near(u_i, tree.weights[0])[0] for u_i in u], (-1, 3, 3))
+    return _Found(z @ tree.inverse + shift.astype(np.int64), norms, frames, nodes, searched)
+
+
+def _expanded(tree, z_hat, u_hat, n_best, node_limit):
+    """Return z (count, n) and costs (count,) of the vectors below a bound that expands until there are n_best, the nodes, and what is searched."""
+    problem = [kernel_input(np.column_stack([tree.L.T, z_hat])), *tree.kernel_inputs, kernel_input(u_hat), rotations_of_the_cube()]
+    bound, nodes, searched, count = float(len(z_hat) + _conditions(u_hat)), 0, 0.0, 0  # first the mean cost of the true integers
     while nodes < node_limit and count < n_best:
-        latest = search_frames(*arrays, bound, n_best, node_limit - nodes)
+        latest = search_frames(*problem, bound, n_best, node_limit - nodes)
         nodes += latest[-1]
         is_finished = nodes < node_limit
         if is_finished or count == 0:
-            z, norms, count = np.asarray(latest[0]), np.asarray(latest[1]), latest[2]
+            z, norms, count = np.asarray(latest[0], dtype=np.int64), np.asarray(latest[1]), latest[2]
         if is_finished:
             searched = bound if count < n_best else norms[-1]
         bound *= _GROWTH
-    z = z[:count].reshape(count, n)
-    frames = [frame_near(u_hat + np.linalg.solve(L.T, z_i - z_hat) @ tree.G, tree.weights[0])[0] for z_i in z]
-    return _Found(tree.combinations.restore(z) + shift.astype(np.int64), norms[:count], np.reshape(frames, (count, 3, 3)), nodes, searched)
+    return z[:count], norms[:count], nodes, searched
 
 
 def _conditions(u):
