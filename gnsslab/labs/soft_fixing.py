@@ -32,7 +32,7 @@ CONTROLS = (
     Slider("satellites", "Satellites", 5, 10, 1, 9, help="Of GPS, the highest ones."),
     Choice("frequencies", "Frequencies", {"one": 1, "two": 2}, 1, help="L1 alone, or L1 and L2."),
     Slider("code_noise", "Code noise", 0.05, 0.6, 0.05, 0.15, "m", help="Of one reading of one receiver, at the zenith."),
-    Slider("trees", "Satellites behind trees", 0, 3, 1, 0, help="The lowest ones are read four times worse."),
+    Slider("trees", "Behind trees", 0, 3, 1, 0, help="So many of the lowest satellites are read four times worse."),
     Choice("risk", "Risk of the partial fix", RISKS, 0.005, help="As many are fixed as are all right but for this chance."),
     Slider("sigma", "Sigma of one ambiguity", 0.05, 0.8, 0.01, 0.25, "cycles", help="Of the picture of steps, and of the one beside it."),
     Slider("ratio", "Ratio asked for", 1, 10, 0.1, 3, help="Fixed where it is reached, else float: the usual way.", more=True),

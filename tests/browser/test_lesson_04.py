@@ -7,7 +7,7 @@ import pytest
 PATIENCE = 90_000  # [ms], the very first load compiles kernels
 SLIDERS = {
     "trust": ("Satellites", "Code noise", "Multipath", "Threshold", "Tolerated failures"),
-    "soft-fixing": ("Satellites", "Code noise", "Satellites behind trees"),
+    "soft-fixing": ("Satellites", "Code noise", "Behind trees"),
     "known-length": ("Distance of the antennas", "You enter too much by", "Satellites", "Code noise"),
     "fewer-satellites": ("Satellites left",),
 }
