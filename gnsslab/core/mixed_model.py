@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gnsslab.core.covariance import check_symmetric
+
 
 class MixedModel(NamedTuple):
     """y = A a + B b + e, a integer, b real, e ~ N(0, Q_y)."""
@@ -37,7 +39,7 @@ def solve_float(y, A, B, Q_y):
     x = (M' Q_y^-1 M)^-1 M' Q_y^-1 y,    M = (A, B),  x = (a, b)
 
     A, B and Q_y (k, k) are shared by all y. Raises ValueError where the shapes do not fit, Q_y is not positive definite,
-    or the measurements cannot tell all unknowns apart.
+    or the measurements cannot tell all unknowns apart. A NaN in y makes the solution of that y NaN, the others stay.
     Source: Teunissen (1995), J. Geodesy 70:65-82, eq. 2 to 5.
 
     One carrier of wavelength 0.2 m and one code measure a distance of 3.1 m; 0.1 m and 0.01 m are their sigmas:
@@ -78,7 +80,8 @@ def use_length(solution, length, sigma):
 
     The row is good where b is known much better than its length; else it bends the solution (|b_hat| is too long by
     sigma_b^2 / 2l for each direction across, and h points the wrong way). The result says `length_used`, so that
-    nobody uses the length a second time. Raises ValueError for a length or sigma that is not positive.
+    nobody uses the length a second time. Raises ValueError for a length or sigma that is not positive, and for a float
+    baseline of zero, which has no direction.
 
     >>> free = FloatSolution(np.array([7.2]), np.array([0.0, 3.0]), np.array([[1.0]]), np.eye(2), np.array([[0.0], [0.5]]))
     >>> tied = use_length(free, 2.0, 0.01)
@@ -89,6 +92,8 @@ def use_length(solution, length, sigma):
     _check_positive(length, "length", "m")
     _check_positive(sigma, "sigma of the length", "m")
     norm = np.linalg.norm(solution.b_hat, axis=-1)
+    if np.any(norm == 0):
+        raise ValueError("a float baseline is zero, so it has no direction to linearise the length in: take fix_with_length")
     h = solution.b_hat / norm[..., None]  # (..., p)
     Q_bh, Q_ah = np.matvec(solution.Q_b, h), np.matvec(np.swapaxes(solution.Q_ba, -1, -2), h)
     S = np.vecdot(h, Q_bh) + sigma**2  # (...) of the innovation
@@ -129,7 +134,10 @@ def _both_designs(y, A, B, Q_y):
 
 
 def _whitened(M, Q_y):
-    """Return Q_y^-1 M."""
+    """Return Q_y^-1 M, or say why Q_y is no covariance matrix."""
+    if not (np.all(np.isfinite(Q_y)) and np.all(np.isfinite(M))):
+        raise ValueError("A, B and Q_y must be finite; they contain NaN or infinity: leave out what was not measured")
+    check_symmetric(Q_y, "Q_y")
     try:
         C = np.linalg.cholesky(Q_y)
     except np.linalg.LinAlgError:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gnsslab.core.covariance import check_symmetric
 from gnsslab.core.jit import kernel, kernel_input, vector
 
 _MOST_STEPS = 60  # Newton doubles the digits each time; three to six steps are usual
@@ -36,7 +37,7 @@ def nearest_on_sphere(c, Q, length):
     minimise (b - c)' Q^-1 (b - c) over |b| = length
 
     c, length: [m]; Q: [m^2]. Scaling c to the length is the answer only where all axes of Q are equal. Where two points
-    are equally near, one of them is returned. Raises ValueError where Q is not positive definite or shapes do not fit.
+    are equally near, one of them is returned. Raises ValueError where Q is no covariance matrix or shapes do not fit.
 
     >>> found = nearest_on_sphere([0.0, 2.0], [[4.0, 0.0], [0.0, 1.0]], 1.0)
     >>> found.b.tolist(), float(found.cost)
@@ -61,6 +62,7 @@ def _check(c, Q, length):
         raise ValueError(f"c must be (..., p) and Q (p, p) with the same p; they have shapes {c.shape} and {Q.shape}")
     if not (np.all(np.isfinite(c)) and np.all(np.isfinite(Q))):
         raise ValueError("c and Q must be finite; they contain NaN or infinity")
+    check_symmetric(Q, "Q")
     if not 0 < length < math.inf:
         raise ValueError(f"the length must be a positive number of metres; it is {length}")
 

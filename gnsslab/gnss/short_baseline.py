@@ -6,6 +6,8 @@ from gnsslab.core.mixed_model import MixedModel
 from gnsslab.gnss.correlation import double_difference_covariance
 from gnsslab.gnss.differences import difference_operator
 
+_UNIT = 1e-3  # a length farther from 1 is no rounding: it moves the baseline by as much of itself
+
 
 def short_baseline_model(u, wavelengths, sigma_code, sigma_phase, epochs=1, reference=0):
     """Return the MixedModel of m satellites on f frequencies: all codes first, then all carriers, frequency by frequency.
@@ -15,7 +17,8 @@ def short_baseline_model(u, wavelengths, sigma_code, sigma_phase, epochs=1, refe
     u: (m, 3) unit vectors from receiver to satellite; wavelengths: (f,) [m]; sigma_code, sigma_phase: (m,) [m] of one
     receiver's reading. There are n = f (m - 1) double-difference ambiguities a [cycles] and the baseline b (3,) [m] in the
     axes of u. `epochs` of one geometry, averaged, have Q_y / epochs.
-    Raises ValueError for fewer than two satellites, no frequency, or sigmas that do not fit.
+    Raises ValueError for fewer than two satellites, vectors of another length, no frequency, sigmas or epochs that are
+    not positive, or shapes that do not fit.
     Source: Teunissen and Montenbruck (2017), Springer Handbook of Global Navigation Satellite Systems, chapter 23.
 
     >>> up, north, east = [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]
@@ -26,6 +29,7 @@ def short_baseline_model(u, wavelengths, sigma_code, sigma_phase, epochs=1, refe
     [[0.36, 0.18], [0.18, 0.36]]
     """
     u, wavelengths = np.asarray(u, dtype=np.float64), np.atleast_1d(np.asarray(wavelengths, dtype=np.float64))
+    sigma_code, sigma_phase = np.asarray(sigma_code, dtype=np.float64), np.asarray(sigma_phase, dtype=np.float64)
     _check(u, wavelengths, sigma_code, sigma_phase, epochs)
     m, f = len(u), len(wavelengths)
     B_1, carriers = -difference_operator(m, reference) @ u, np.kron(np.diag(wavelengths), np.eye(m - 1))
@@ -40,13 +44,19 @@ def short_baseline_model(u, wavelengths, sigma_code, sigma_phase, epochs=1, refe
 def _check(u, wavelengths, sigma_code, sigma_phase, epochs):
     if u.ndim != 2 or u.shape[1] != 3 or len(u) < 2:
         raise ValueError(f"u must hold the unit vectors (m, 3) of two or more satellites; it has shape {u.shape}")
-    if wavelengths.size == 0 or np.any(wavelengths <= 0):
-        raise ValueError("wavelengths must hold a positive number of metres for each frequency")
+    if not np.all(np.abs(np.linalg.norm(u, axis=1) - 1) < _UNIT):
+        raise ValueError("u must hold unit vectors from receiver to satellite; divide each by its length")
+    if wavelengths.ndim != 1 or wavelengths.size == 0 or not _are_positive(wavelengths):
+        raise ValueError(f"wavelengths must hold a positive number of metres for each frequency (f,); they are {wavelengths}")
     for name, sigma in (("sigma_code", sigma_code), ("sigma_phase", sigma_phase)):
-        if np.shape(sigma) != (len(u),):
-            raise ValueError(f"{name} must have one value for each of the {len(u)} satellites; it has shape {np.shape(sigma)}")
-    if epochs < 1:
+        if sigma.shape != (len(u),) or not _are_positive(sigma):
+            raise ValueError(f"{name} must have one positive number of metres for each of the {len(u)} satellites; it is {sigma}")
+    if not 1 <= epochs < np.inf:
         raise ValueError(f"epochs must be 1 or more; it is {epochs}")
+
+
+def _are_positive(values):
+    return np.all((values > 0) & np.isfinite(values))
 
 
 def _block_diagonal(upper, lower):

@@ -93,11 +93,26 @@ def test_bad_lengths_are_explained(length, sigma, message):
         use_length(free, length, sigma)
 
 
+def test_a_baseline_of_zero_has_no_direction_for_a_length():
+    free = FloatSolution(np.zeros(1), np.zeros(2), np.eye(1), np.eye(2), np.zeros((2, 1)))
+    with pytest.raises(ValueError, match="no direction"):
+        use_length(free, 1.0, 0.1)
+
+
+def test_a_measurement_that_is_missing_spoils_its_own_epoch_only():
+    y = np.array([[1.0, 2.0], [np.nan, 2.0]])
+    found = solve_float(y, [[1.0], [0.0]], [[1.0], [1.0]], np.eye(2))
+    assert np.isfinite(found.a_hat[0]).all()
+    assert np.isnan(found.a_hat[1]).all()
+
+
 @pytest.mark.parametrize(
     ("y", "A", "B", "Q_y", "message"),
     [
         ([1.0, 2.0], [[1.0]], [[1.0], [1.0]], np.eye(2), "A must have one row"),
         ([1.0, 2.0], [[1.0], [0.0]], [[1.0], [1.0]], np.ones((2, 2)), "Q_y is not positive definite"),
+        ([1.0, 2.0], [[1.0], [0.0]], [[1.0], [1.0]], [[1.0, 0.5], [0.4, 1.0]], "Q_y is not symmetric"),
+        ([1.0, 2.0], [[np.nan], [0.0]], [[1.0], [1.0]], np.eye(2), "A, B and Q_y must be finite"),
         ([1.0, 2.0], [[1.0], [1.0]], [[1.0], [1.0]], np.eye(2), "cannot tell all unknowns apart"),
         ([1.0, 2.0], [[1.0], [1.0]], [[1.0], [1.0]], np.eye(2)[:, :1], "Q_y must have shape"),
     ],

@@ -65,8 +65,13 @@ def test_more_epochs_of_one_geometry_divide_the_covariance():
     [
         ((np.eye(3)[:1], [0.2], [0.3], [0.003]), "two or more satellites"),
         ((np.eye(3), [], [0.3] * 3, [0.003] * 3), "wavelengths"),
-        ((np.eye(3), [0.2], [0.3] * 2, [0.003] * 3), "sigma_code must have one value for each of the 3"),
+        ((np.eye(3), [0.2], [0.3] * 2, [0.003] * 3), "sigma_code must have one positive number of metres for each of the 3"),
+        ((np.eye(3), [0.2], [0.3] * 3, [0.003, 0.003, -0.003]), "sigma_phase must have one positive number"),
+        ((np.eye(3), [[0.2], [0.25]], [0.3] * 3, [0.003] * 3), "wavelengths"),
+        ((np.eye(3), [np.nan], [0.3] * 3, [0.003] * 3), "wavelengths"),
+        ((2e7 * np.eye(3), [0.2], [0.3] * 3, [0.003] * 3), "unit vectors from receiver to satellite"),
         ((np.eye(3), [0.2], [0.3] * 3, [0.003] * 3, 0), "epochs must be 1 or more; it is 0"),
+        ((np.eye(3), [0.2], [0.3] * 3, [0.003] * 3, np.nan), "epochs must be 1 or more; it is nan"),
     ],
 )
 def test_bad_models_are_explained(arguments, message):

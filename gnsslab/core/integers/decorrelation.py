@@ -22,11 +22,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gnsslab.core.covariance import ASYMMETRY, is_symmetric
 from gnsslab.core.jit import kernel, kernel_input, matrix
 
 GOOD, NOT_FINITE, NOT_SYMMETRIC, NOT_POSITIVE, TOO_LARGE = range(5)
 
-_ASYMMETRY = 1e-8  # |Q_ij - Q_ji| / sqrt(Q_ii Q_jj): rounding stays below, a wrong formula does not
 _ROUNDING = 4 * 2.0**-52  # times n Q_ii: what rounding leaves of a conditional variance that is zero
 _GAIN = 1.0 - 1e-6  # an exchange must gain this much: else equal variances would change places for ever
 _EXACT = 2.0**52  # integers up to here are exact in float64
@@ -132,7 +132,7 @@ def ltdl(Q):
     Q = checked_covariance(Q)
     _refuse(~np.isfinite(Q).all(axis=(-2, -1)), NOT_FINITE)
     variance = np.abs(np.diagonal(Q, axis1=-2, axis2=-1))
-    _refuse((np.abs(Q - Q.mT) > _ASYMMETRY * np.sqrt(variance[..., None] * variance[..., None, :])).any(axis=(-2, -1)), NOT_SYMMETRIC)
+    _refuse(~is_symmetric(Q), NOT_SYMMETRIC)
     n, A = Q.shape[-1], 0.5 * (Q + Q.mT)
     L, d = np.zeros(Q.shape), np.zeros(Q.shape[:-1])
     for j in range(n - 1, -1, -1):
@@ -266,7 +266,7 @@ def start(Q, M, W, d):
             M[i][j] = 0.5 * (Q[i][j] + Q[j][i])
             if not abs(M[i][j]) < math.inf:
                 return NOT_FINITE
-            if (Q[i][j] - Q[j][i]) ** 2 > _ASYMMETRY**2 * abs(Q[i][i] * Q[j][j]):
+            if (Q[i][j] - Q[j][i]) ** 2 > ASYMMETRY**2 * abs(Q[i][i] * Q[j][j]):
                 return NOT_SYMMETRIC
     return GOOD
 

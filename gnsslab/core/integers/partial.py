@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import erf
 
-from gnsslab.core.integers.decorrelation import checked_problem, decorrelate
+from gnsslab.core.integers.decorrelation import checked_problem, decorrelate, ltdl
 from gnsslab.core.integers.rounding import integer_rounding
 from gnsslab.core.integers.search import integer_least_squares
 from gnsslab.core.integers.success import success_rate as success_rate_of
@@ -106,10 +106,14 @@ def fix_accepted_subset(a_hat, Q, accept, leave_out=None):
 def subsets(Q, leave_out=None):
     """Yield the indices kept: all n, then without the first to leave out, and so on while any are left.
 
+    Raises ValueError where leave_out is no list of indices, or groups of them.
+
     >>> [kept.tolist() for kept in subsets(np.diag([1.0, 3.0, 2.0]))]
     [[0, 1, 2], [0, 2], [0]]
     """
     kept = np.arange(len(Q))
+    if np.isscalar(leave_out):
+        raise ValueError(f"leave_out must be a list of indices, or of groups of them; it is {leave_out!r}: [{leave_out!r}] leaves out one")
     for group in np.argsort(-np.diag(Q), kind="stable") if leave_out is None else leave_out:
         if len(kept):
             yield kept
@@ -124,16 +128,17 @@ def fix_combinations(a_hat, Q, C):
     a = a_hat - Q C (C' Q C)^-1 (C' a_hat - z),    Q_a|z = Q - Q C (C' Q C)^-1 C' Q
 
     a_hat: (..., n) [cycles]; Q: (n, n) [cycles^2]; C: (n, k) integers, columns of a unimodular matrix. Returns a PartialSolution.
+    Raises ValueError where shapes do not fit, Q is no covariance matrix, or a_hat is not finite.
 
     >>> fix_combinations([3.1, 5.3], [[0.5, 0.4], [0.4, 0.5]], [[1], [-1]]).z.tolist()       # the difference -2.2
     [-2]
     """
     a_hat, Q = checked_problem(a_hat, Q)
-    C = _checked_combinations(C, len(Q))
+    C, whole = _checked_combinations(C, len(Q)), integer_rounding(a_hat)  # large integers would cost digits in C' a_hat
+    ltdl(Q)  # raises: the part C' Q C may be a covariance where Q is none
     if C.shape[1] == 0:
         stack = a_hat.shape[:-1]
         return PartialSolution(a_hat.copy(), Q.copy(), C, np.empty((*stack, 0), dtype=np.int64), np.empty((*stack, 0)), 1.0)
-    whole = integer_rounding(a_hat)  # large integers would cost digits in C' a_hat
     Q_z = _symmetric(C.T @ Q @ C)
     z_hat = (a_hat - whole) @ C
     solution = integer_least_squares(z_hat, Q_z)

@@ -236,7 +236,11 @@ BAD_CALLS = [
     (fix_subset, ([0.1], [[1.0]], -0.1), "between 0 and 1; it is -0.1"),
     (fix_subset, ([0.1, 0.2], np.eye(2), 0.9, [2]), r"indices of ambiguities, 0 to 1, or groups of them; it holds \[2\]"),
     (fix_subset, ([0.1, 0.2], np.eye(2), 0.9, [0.5]), r"it holds \[0.5\]"),
+    (fix_subset, ([0.1, 0.2], np.eye(2), 0.9, 1), r"leave_out must be a list.*\[1\] leaves out one"),
+    (fix_most_certain, ([0.1, np.nan], 100 * np.eye(2)), "a_hat contains NaN"),  # also where nothing is fixed
     (fix_accepted_subset, ([[0.1, 0.2]], np.eye(2), bool), "one float vector"),
+    (fix_accepted_subset, ([0.1, 0.2], [[1.0, 0.5], [0.4, 1.0]], lambda found: True), "Q is not symmetric"),
+    (fix_combinations, ([0.1, 0.2], [[1.0, 2.0], [2.0, 1.0]], [[1], [0]]), "Q is not positive definite"),
     (fix_combinations, ([0.1, 0.2], np.eye(2), [[1.0], [0.5]]), "C must be integers.*type float64"),
     (fix_combinations, ([0.1, 0.2], np.eye(2), [[1]]), r"a row for each of the 2 ambiguities; it has shape \(1, 1\)"),
     (fix_combinations, ([0.1, 0.2], np.eye(2), [[1, 2], [1, 2]]), "not positive definite"),
