@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gnsslab.core.covariance import check_symmetric
 from gnsslab.core.integers.decorrelation import GOOD, checked_covariance
 from gnsslab.core.integers.search import NODE_LIMIT, IntegerSolution, checked_count, integer_least_squares, raise_problem
 from gnsslab.core.integers.sphere_search import NOT_JOINTLY_POSITIVE, fix_groups_on_sphere
@@ -36,7 +37,7 @@ class ConstrainedSolution(NamedTuple):
     norms: np.ndarray  # (..., n_best), costs F; infinite where a search cut short has seen fewer than n_best
     nodes: np.ndarray  # (...) branches tried, of node_limit at most
     node_limit: int
-    baselines: np.ndarray  # (..., n_best, 3) [m], of the length given
+    baselines: np.ndarray  # (..., n_best, 3) [m], of the length given; NaN where the norm is infinite
 
     best = IntegerSolution.best
     ratio = IntegerSolution.ratio
@@ -54,7 +55,7 @@ def constrained_integer_least_squares(a_hat, Q_a, b_hat, Q_b, Q_ba, length, n_be
     number, do as well as three. Exact: the sphere by its secular equation, the integers by search, expanding the bound.
     Returns a ConstrainedSolution. Raises ValueError where shapes do not fit, the joint covariance is not positive
     definite, the length is not positive or anything is not finite.
-    Source: Teunissen (2010), J. Geodesy 84:175-185; Teunissen, Giorgi and Buist (2011), GPS Solutions 15:59-70.
+    Source: Teunissen (2010), J. Geodesy 84:433-447; Teunissen, Giorgi and Buist (2011), GPS Solutions 15:15-28.
 
     Two antennas in line with a satellite, 0.3 m apart; the code says 0.4 m (sigma 0.2 m), the carrier 0.7 m (1 cm) and whole
     waves of 0.2 m. 1.5 cycles are left over: 1 and 2 fit alike, but only 2 gives 0.3 m; 5 gives -0.3 m, 3.5 sigma off the code.
@@ -75,7 +76,7 @@ def constrained_by_shrinking(a_hat, Q_a, b_hat, Q_b, Q_ba, length, n_best=2, *, 
 
     The nearest n_best vectors of plain integer least squares give the bound. Same answers; quick where plain least
     squares is nearly right, slow where it is not.
-    Source: Teunissen, Giorgi and Buist (2011), GPS Solutions 15:59-70.
+    Source: Teunissen, Giorgi and Buist (2011), GPS Solutions 15:15-28.
     """
     problem = _checked(a_hat, Q_a, b_hat, Q_b, Q_ba, length)
     return _search(problem, _certain_bounds(problem, n_best, node_limit), n_best, node_limit)
@@ -114,6 +115,7 @@ def _checked(a_hat, Q_a, b_hat, Q_b, Q_ba, length):
     n, p = Q_a.shape[-1], b_hat.shape[-1] if b_hat.ndim else 0
     for name, array, shape in (("a_hat", a_hat, (n,)), ("b_hat", b_hat, (p,)), ("Q_b", Q_b, (p, p)), ("Q_ba", Q_ba, (p, n))):
         _check_array(name, array, shape)
+    check_symmetric(Q_b, "Q_b")
     if not (np.ndim(length) == 0 and 0 < length < math.inf):
         raise ValueError(f"the length must be one positive number of metres; it is {length}")
     return _grouped(a_hat, Q_a, b_hat, Q_b, Q_ba, float(length))

@@ -50,6 +50,8 @@ def fix_groups_on_sphere(a, Q_a, b, Q_b, Q_ba, length, bounds, n_best, node_limi
                 bound *= _GROWTH
             for i in range(found, n_best):
                 norms[row][i] = math.inf
+                for j in range(p):
+                    baselines[first + i][j] = math.nan
             for i in range(first, first + found):
                 land(M, n + v, G, spread, axes, levels, path, length, candidates[i], baselines[i])
             for i in range(first, first + n_best):

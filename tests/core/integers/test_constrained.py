@@ -197,6 +197,7 @@ def test_node_limit_is_said(one_epoch, rng):
     assert cut.nodes == 7
     assert "node limit" in repr(cut)
     assert np.isinf(cut.norms[-1])
+    assert np.isnan(cut.baselines[-1]).all()  # no candidate, no baseline
     assert "completely" in repr(fix_with_length(found, 1.0))
 
 
@@ -237,6 +238,7 @@ GOOD_CALL = {"a_hat": [0.2, 0.1], "Q_a": np.eye(2), "b_hat": [1.0, 0.0, 0.0], "Q
         ({"Q_a": np.ones((2, 2))}, "not positive definite"),
         ({"Q_a": [[1.0, 0.5], [0.4, 1.0]]}, "not symmetric"),
         ({"Q_ba": np.full((3, 2), 0.9)}, "not positive definite together"),
+        ({"Q_b": np.eye(3) + 0.1 * np.eye(3, k=1)}, "Q_b is not symmetric"),
         ({"n_best": 0}, "n_best must be a whole number"),
     ],
 )
