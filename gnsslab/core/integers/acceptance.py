@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers.decorrelation import checked_problem
+from gnsslab.core.integers.decorrelation import checked_problem, ltdl
 from gnsslab.core.integers.simulation import simulate_fixes, wilson_interval
 
 
@@ -57,8 +57,9 @@ def projector_test(a_hat, Q, candidates, threshold):
     (a_2 - a_1)' Q^-1 (a_hat - a_1) / |a_2 - a_1|_Q <= c
 
     The left side is a length in sigmas, from 0 to half of the way |a_2 - a_1|_Q, where the two change places. a_hat:
-    (..., n) [cycles]; Q: (n, n) [cycles^2]; candidates: (..., 2 or more, n), best first; c >= 0. Raises ValueError for a
-    negative threshold, or where shapes do not fit.
+    (..., n) [cycles]; Q: (n, n) [cycles^2]; candidates: (..., 2 or more, n), best first; c >= 0. Two equal candidates (a search
+    cut short) are never accepted. Raises ValueError for a negative threshold, where Q is no covariance matrix, or where
+    shapes do not fit.
     Source: Han (1997), J. Geodesy 71:351-361; Verhagen and Teunissen (2006), J. Guidance, Control, and Dynamics 29:981-991.
 
     >>> candidates = [[0, 0], [1, 0]]
@@ -69,9 +70,11 @@ def projector_test(a_hat, Q, candidates, threshold):
     _check_not_negative(threshold)
     if candidates.ndim < 2 or candidates.shape[-1] != len(Q) or candidates.shape[-2] < 2:
         raise ValueError(f"candidates must be (..., 2 or more, {len(Q)}), the best and the second best; they have shape {candidates.shape}.")
+    L, d = ltdl(Q)
     a_1, a_2 = candidates[..., 0, :], candidates[..., 1, :]
-    weighted = np.linalg.solve(Q, (a_2 - a_1)[..., None])[..., 0]  # Q^-1 (a_2 - a_1)
-    return np.vecdot(weighted, a_hat - a_1) <= threshold * np.sqrt(np.vecdot(weighted, a_2 - a_1))
+    moved, way = (np.linalg.solve(L.T, x[..., None])[..., 0] / np.sqrt(d) for x in (a_hat - a_1, a_2 - a_1))  # in sigmas
+    length = np.linalg.norm(way, axis=-1)
+    return (length > 0) & (np.vecdot(way, moved) <= threshold * length)
 
 
 class RatioThreshold(NamedTuple):
@@ -121,12 +124,16 @@ def failure_rate_threshold(Q, failure_rate, rng, samples=100_000):
 def threshold_of_fixes(ratio, is_right, failure_rate):
     """Return the RatioThreshold of fixes whose truth is known: ratio (N,), is_right (N,) bool.
 
-    The step of `failure_rate_threshold` after the simulation, for those who have one already.
+    The step of `failure_rate_threshold` after the simulation, for those who have one already. Raises ValueError where
+    the two do not fit, or a ratio is below 1 or NaN.
 
     >>> round(threshold_of_fixes([1.1, 1.5, 3.0, 4.0], [False, False, True, True], 0.25).ratio, 9)      # one of four may fail
     1.1
     """
     ratio, is_right = np.asarray(ratio, dtype=np.float64), np.asarray(is_right, dtype=bool)
+    if ratio.ndim != 1 or ratio.shape != is_right.shape or not np.all(ratio >= 1):
+        shapes = f"{ratio.shape} and {is_right.shape}"
+        raise ValueError(f"ratio (N,) must hold second / best, 1 or more, of each fix in is_right (N,); they have shapes {shapes}.")
     samples = len(ratio)
     check_countable(failure_rate, samples)
     wrong = np.sort(ratio[~is_right])[::-1]

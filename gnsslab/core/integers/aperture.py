@@ -15,6 +15,7 @@ from gnsslab.core.integers.acceptance import check_countable, threshold_of_fixes
 from gnsslab.core.integers.decorrelation import checked_problem, decorrelate, one_covariance
 from gnsslab.core.integers.rounding import integer_bootstrapping, integer_rounding
 from gnsslab.core.integers.search import checked_count
+from gnsslab.core.integers.simulation import checked_generator
 
 
 class ApertureSolution(NamedTuple):
@@ -45,7 +46,7 @@ def aperture_bootstrapping(a_hat, Q):
 def _bootstrap(z_hat, L, d):
     """Return z (..., n) and 2 max |c_i - z_i| (...); z_hat - z = L' (c - z)."""
     z = integer_bootstrapping(z_hat, L.T * d @ L)
-    return z, 2.0 * np.max(np.abs((z_hat - z) @ np.linalg.inv(L)), axis=-1)
+    return z, np.minimum(2.0 * np.max(np.abs((z_hat - z) @ np.linalg.inv(L)), axis=-1), 1.0)  # rounding may leave a little more
 
 
 def aperture_success_rate(Q, aperture):
@@ -80,7 +81,8 @@ def failure_rate_aperture(Q, failure_rate, rng, samples=100_000):
     >>> failure_rate_aperture([[0.0004]], 0.001, np.random.default_rng(1), samples=10_000).aperture      # half a cycle is 25 sigma
     1.0
     """
-    check_countable(failure_rate, checked_count(samples, "samples"))
+    samples, rng = checked_count(samples, "samples"), checked_generator(rng)
+    check_countable(failure_rate, samples)
     _, L, d = decorrelate(one_covariance(Q))
     z, aperture = _bootstrap((rng.standard_normal((samples, len(d))) * np.sqrt(d)) @ L, L, d)
     found = threshold_of_fixes(1.0 / aperture, np.all(z == 0, axis=-1), failure_rate)

@@ -88,7 +88,7 @@ def integer_least_squares(a_hat, Q, n_best=2, *, node_limit=NODE_LIMIT):
 
 def checked_count(count, name):
     """Return a count as int, or say that it is none."""
-    if count < 1 or count != int(count):
+    if not 1 <= count < math.inf or count != int(count):
         raise ValueError(f"{name} must be a whole number, 1 or more; it is {count}.")
     return int(count)
 

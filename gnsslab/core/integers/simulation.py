@@ -114,9 +114,14 @@ def _checked(Q, bias, samples, rng):
         raise ValueError(f"Q must be one covariance matrix (n, n), simulated on its own; it has shape {Q.shape}.")
     if bias.shape != (n,) or not np.isfinite(bias).all():
         raise ValueError(f"bias must be one finite number of cycles for each of the {n} ambiguities; it is {bias}.")
+    return Q, bias, checked_count(samples, "samples"), checked_generator(rng)
+
+
+def checked_generator(rng):
+    """Return rng, or say that it is no source of random numbers."""
     if not isinstance(rng, np.random.Generator):
         raise ValueError(f"rng must be a Generator, such as numpy.random.default_rng(seed) gives; it is {rng!r}.")
-    return Q, bias, checked_count(samples, "samples"), rng
+    return rng
 
 
 def _chunks(samples):

@@ -264,6 +264,11 @@ def test_published_thresholds_of_two_ambiguities_are_too_bold_where_least_square
             assert 1 / found.interval[0] < row[3], row
 
 
+def test_two_equal_candidates_are_not_accepted():
+    """A search cut short before the first candidate leaves them equal: nothing is known of the second best."""
+    assert not projector_test([0.1, 0.2], np.eye(2), [[0, 0], [0, 0]], 10.0)
+
+
 BAD_CALLS = [
     (lambda: ratio_test([1.0, 2.0], 0.4), "second / best, so its threshold must be 1 or more, not 0.4"),
     (lambda: ratio_test([1.0], 3.0), r"second best in its last axis \(n_best=2 or more\); it has shape \(1,\)"),
@@ -272,6 +277,11 @@ BAD_CALLS = [
     (lambda: projector_test([0.1], [[1.0]], [[0], [1]], np.nan), "must be 0 or more; it is nan"),
     (lambda: projector_test([0.1], [[1.0]], [[0]], 1.0), r"candidates must be \(..., 2 or more, 1\).*they have shape \(1, 1\)"),
     (lambda: projector_test([0.1], [1.0], [[0], [1]], 1.0), "Q must be a covariance matrix"),
+    (lambda: projector_test([0.1, 0.2], np.ones((2, 2)), [[0, 0], [1, 0]], 1.0), "Q is not positive definite"),
+    (lambda: projector_test([0.1, 0.2], [[1.0, 0.5], [0.4, 1.0]], [[0, 0], [1, 0]], 1.0), "Q is not symmetric"),
+    (lambda: threshold_of_fixes([1.5, 2.0, 3.0], [True, False], 0.5), r"shapes \(3,\) and \(2,\)"),
+    (lambda: threshold_of_fixes([0.5, 2.0], [True, False], 0.5), "second / best, 1 or more"),
+    (lambda: threshold_of_fixes([np.nan, 2.0], [True, False], 0.5), "second / best, 1 or more"),
     (lambda: failure_rate_threshold([[1.0]], 1.0, np.random.default_rng(1)), "more than 0 and less than 1; it is 1"),
     (lambda: failure_rate_threshold([[1.0]], 0.001, np.random.default_rng(1), 500), "500 samples hold less than one failure.*use 10000 or more"),
     (lambda: failure_rate_threshold([[-1.0]], 0.001, np.random.default_rng(1), 5000), "not positive definite"),

@@ -108,6 +108,7 @@ BAD_CALLS = [
     (lambda: failure_rate_aperture([[1.0]], 0.0, np.random.default_rng(1)), "more than 0 and less than 1; it is 0"),
     (lambda: failure_rate_aperture([[1.0]], 0.001, np.random.default_rng(1), 100), "less than one failure"),
     (lambda: failure_rate_aperture([[1.0]], 0.1, np.random.default_rng(1), 100.5), "samples must be a whole number"),
+    (lambda: failure_rate_aperture([[1.0]], 0.1, 7, 100), "rng must be a Generator.*it is 7"),
     (lambda: failure_rate_aperture(np.ones((3, 1, 1)), 0.1, np.random.default_rng(1), 100), "one covariance matrix"),
 ]
 
