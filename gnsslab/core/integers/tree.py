@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gnsslab.core.integers.search import NO_FRACTION, checked_count
+
 MOST_AMBIGUITIES = 12
 NODE_LIMIT = 20_000  # enough to see that nobody wants to look at it
 
@@ -59,24 +61,24 @@ def search_tree(z_hat, L, d, n_best=2):
     >>> [(node.level, node.integer, round(node.value, 3), round(node.norm, 3), node.outcome.name) for node in tree.nodes[:2]]
     [(1, 0, 0.2, 0.1, 'DOWN'), (0, 0, 0.3, 1.0, 'CANDIDATE')]
     """
-    z_hat, L, d = (np.asarray(array, dtype=np.float64).tolist() for array in (z_hat, L, d))
-    _check(z_hat, L, d, n_best)
-    search = _Search(z_hat, L, d, n_best)
+    z_hat, L, d = (np.asarray(array, dtype=np.float64) for array in (z_hat, L, d))
+    _check(z_hat, L, d)
+    search = _Search(z_hat.tolist(), L.tolist(), d.tolist(), checked_count(n_best, "n_best"))
     search.try_level(len(d) - 1, parent=-1, above=0.0)
     norms, candidates = zip(*search.found, strict=True)
     return SearchTree(tuple(search.nodes), np.array(candidates, dtype=np.int64), np.array(norms))
 
 
-def _check(z_hat, L, d, n_best):
-    n = len(d)
+def _check(z_hat, L, d):
+    n = d.size
     if not 1 <= n <= MOST_AMBIGUITIES:
         raise ValueError(f"search_tree is for 1 to {MOST_AMBIGUITIES} ambiguities, to look at; there are {n}: integer_least_squares takes any number")
-    if len(z_hat) != n or np.shape(L) != (n, n):
-        raise ValueError(f"z_hat and L must fit d, ({n},) and ({n}, {n}); they have shapes {np.shape(z_hat)} and {np.shape(L)}")
-    if not all(map(math.isfinite, z_hat)) or not all(0.0 < d_k < math.inf for d_k in d):
-        raise ValueError("z_hat must be finite, and all conditional variances d positive")
-    if n_best < 1:
-        raise ValueError(f"n_best must be 1 or more; it is {n_best}")
+    if d.shape != (n,) or z_hat.shape != (n,) or L.shape != (n, n):
+        raise ValueError(f"z_hat, d and L must have shapes ({n},), ({n},) and ({n}, {n}); they have {z_hat.shape}, {d.shape} and {L.shape}")
+    if not np.all(np.abs(z_hat) < NO_FRACTION) or not np.all((d > 0) & np.isfinite(d)):
+        raise ValueError("z_hat must be finite, below 2^51 cycles, where float64 has fractions, and all conditional variances d positive")
+    if not np.array_equal(np.triu(L), np.eye(n)) or not np.all(np.isfinite(L)):
+        raise ValueError("L must be unit lower triangular, as of ltdl or decorrelate")
 
 
 class _Search:

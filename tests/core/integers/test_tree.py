@@ -118,10 +118,13 @@ def test_integers_come_nearest_first(c):
     [
         (np.zeros(13), np.eye(13), np.ones(13), 2, f"1 to {MOST_AMBIGUITIES} ambiguities"),
         ([], np.zeros((0, 0)), [], 2, "there are 0"),
-        ([0.0], np.eye(2), [1.0, 1.0], 2, "must fit d"),
+        ([0.0], np.eye(2), [1.0, 1.0], 2, "must have shapes"),
         ([0.0, np.nan], np.eye(2), [1.0, 1.0], 2, "must be finite"),
         ([0.0, 0.0], np.eye(2), [1.0, 0.0], 2, "positive"),
-        ([0.0, 0.0], np.eye(2), [1.0, 1.0], 0, "n_best must be 1 or more"),
+        ([0.0, 0.0], np.eye(2), [1.0, 1.0], 0, "n_best must be a whole number"),
+        ([0.0, 0.0], np.eye(2), [1.0, 1.0], 1.5, "n_best must be a whole number"),
+        ([1e16, 0.0], np.eye(2), [1.0, 1.0], 2, "below 2.51 cycles"),
+        ([0.0, 0.0], [[1.0, 0.5], [0.0, 1.0]], [1.0, 1.0], 2, "unit lower triangular"),
         ([0.3, 0.4], [[1.0, 0.0], [0.618, 1.0]], [1e-10, 1e4], 2, "more than 20000 nodes.*decorrelate first"),
     ],
 )
