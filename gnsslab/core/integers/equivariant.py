@@ -18,6 +18,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import gammaln
 
 from gnsslab.core.integers.decorrelation import checked_problem, decorrelate
 from gnsslab.core.integers.rounding import integer_rounding
@@ -32,7 +33,7 @@ class EquivariantSolution(NamedTuple):
 
     a: np.ndarray  # (..., n) real [cycles]
     integers: np.ndarray  # (...) how many integer vectors were summed; 1 where all variables are summed as integrals
-    greatest_weight: np.ndarray  # (...) of one integer vector, the nearest: near 1 the mean is as good as a fix
+    greatest_weight: np.ndarray  # (...) of one integer vector, the nearest: near 1 the mean is as good as a fix; NaN where it is not known
     neglected: np.ndarray  # (...) bound on the share of the weight that was left out
     asked: float  # the neglected share asked for
 
@@ -44,7 +45,8 @@ class EquivariantSolution(NamedTuple):
     def __repr__(self):
         cut = int(np.sum(~np.asarray(self.complete)))
         limit = f"{cut} cut short by the limit on integer vectors" if cut else "all complete"
-        return f"EquivariantSolution: {self.integers.size} means of {np.mean(self.integers):.0f} integer vectors on average, {limit}"
+        average = np.sum(self.integers) / max(self.integers.size, 1)
+        return f"EquivariantSolution: {self.integers.size} means of {average:.0f} integer vectors on average, {limit}"
 
 
 def best_integer_equivariant(a_hat, Q, *, neglected=1e-6, most_integers=MOST_INTEGERS):
@@ -53,7 +55,8 @@ def best_integer_equivariant(a_hat, Q, *, neglected=1e-6, most_integers=MOST_INT
     a = sum z w_z / sum w_z,    w_z = exp(-(a_hat - z)' Q^-1 (a_hat - z) / 2),    over all integer z
 
     a_hat: (..., n) [cycles]; Q: (n, n) [cycles^2]. neglected: the largest share of the weight to leave out; where that
-    takes more than about most_integers vectors, the nearest ones are summed and `complete` is False. The mean squared error of a,
+    takes more than about most_integers vectors, the nearest ones are summed and `complete` is False; where not even the nearest
+    is found within the node limit of `integer_least_squares`, a is the nearest one seen. The mean squared error of a,
     and of b = `given_integers(solution, a)`, is the least that any estimator reaches which follows a shift by integers:
     least squares and float are such estimators. Returns an EquivariantSolution. Raises ValueError where shapes do not
     fit, Q is no covariance matrix, or a_hat is not finite.
@@ -66,22 +69,34 @@ def best_integer_equivariant(a_hat, Q, *, neglected=1e-6, most_integers=MOST_INT
     _check(neglected, most_integers)
     whole = integer_rounding(a_hat)
     fraction = (a_hat - whole).reshape(-1, len(Q))  # (N, n)
-    q = integer_least_squares(fraction, Q, n_best=1).norms[:, 0]  # of the nearest
-    decorrelation = decorrelate(Q)
+    near, decorrelation = integer_least_squares(fraction, Q, n_best=1), decorrelate(Q)
+    flat = int(np.argmin([*_is_flat(decorrelation.d, neglected), False]))  # so many variables, the first, are summed as integrals
+    N, proved = len(fraction), near.complete | (flat == len(Q))
+    mean, count, weight, lost = near.best.astype(np.float64), np.ones(N, dtype=np.int64), np.full(N, np.nan), np.ones(N)
+    means = _means(fraction[proved], near.norms[proved, 0], decorrelation, flat, neglected, most_integers)
+    mean[proved], count[proved], weight[proved], lost[proved] = means
+    stack = a_hat.shape[:-1]
+    return EquivariantSolution(
+        a=whole + mean.reshape(a_hat.shape),
+        integers=count.reshape(stack)[()],
+        greatest_weight=weight.reshape(stack)[()],
+        neglected=lost.reshape(stack)[()],
+        asked=neglected,
+    )
+
+
+def _means(fraction, q, decorrelation, flat, neglected, most_integers):
+    """Return the means (N, n) about the float vectors `fraction` (N, n), counts, greatest weights and neglected shares (N,).
+
+    q: (N,) squared distance of the nearest vector; the first `flat` variables are summed as integrals.
+    """
     Z, L, d = decorrelation
-    flat = int(np.argmin([*_is_flat(d, neglected), False]))  # so many variables, the first, are summed as integrals
     R2, lost = _bounds(q, d[flat:], neglected / 2, most_integers)
     e, total, count = sum_integers(*map(kernel_input, ((fraction @ Z)[:, flat:], L[flat:, flat:], d[flat:], q, R2)))
     e = np.reshape(e, (len(q), len(d) - flat))
     mean = fraction + e @ L[flat:] @ decorrelation.inverse  # z - z_hat = L' e
-    stack = a_hat.shape[:-1]
-    return EquivariantSolution(
-        a=whole + mean.reshape(a_hat.shape),
-        integers=np.asarray(count, dtype=np.int64).reshape(stack),
-        greatest_weight=(1.0 / np.asarray(total) / np.prod(np.sqrt(2 * math.pi * d[:flat]))).reshape(stack),
-        neglected=np.minimum(lost + np.sum(_share_of_waves(d[:flat])), 1.0).reshape(stack),
-        asked=neglected,
-    )
+    weight = 1.0 / np.asarray(total) / np.prod(np.sqrt(2 * math.pi * d[:flat]))
+    return mean, np.asarray(count), weight, np.minimum(lost + np.sum(_share_of_waves(d[:flat])), 1.0)
 
 
 def _share_of_waves(d):
@@ -96,8 +111,9 @@ def _is_flat(d, neglected):
 def _bounds(q, d, neglected, most_integers):
     """Return the bounds R^2 (N,) on the squared distance, and what the vectors beyond them weigh at most.
 
-    x - ln x - 1 = (q - 2 ln p) / n,  x = R^2 / n,  p the neglected share; but no more than an ellipsoid that holds
-    about most_integers vectors, of volume pi^(n/2) / Gamma(n/2 + 1) R^n prod sigma_i.
+    x - ln x - 1 = (q - 2 ln p) / n,  x = R^2 / n,  p the neglected share; but no more than ellipsoids that hold
+    about most_integers vectors: of all variables and, as the tree has to be walked, of the last one, two, three ...; their
+    volumes are pi^(j/2) / Gamma(j/2 + 1) R^j prod over the last j of sigma_i.
     """
     n = len(d)
     if n == 0:
@@ -106,8 +122,9 @@ def _bounds(q, d, neglected, most_integers):
     x = 1.0 + s + np.sqrt(2.0 * s)  # to the right of the solution, from where Newton's steps do not overshoot
     for _ in range(8):
         x -= (x - np.log(x) - 1.0 - s) / (1.0 - 1.0 / x)
-    log_volume = 0.5 * n * math.log(math.pi) - math.lgamma(0.5 * n + 1.0) + 0.5 * np.sum(np.log(d))
-    affordable = math.exp(2.0 / n * (math.log(most_integers) - log_volume))
+    j = np.arange(1, n + 1)
+    log_volume = 0.5 * j * math.log(math.pi) - gammaln(0.5 * j + 1.0) + 0.5 * np.cumsum(np.log(d[::-1]))
+    affordable = np.exp(np.min(2.0 / j * (math.log(most_integers) - log_volume)))
     R2 = np.maximum(np.minimum(n * x, affordable), q * (1.0 + 1e-9) + 1e-9)  # the nearest is always in
     x = np.maximum(R2 / n, 1.0)
     return R2, np.minimum(np.exp(0.5 * q - 0.5 * n * (x - np.log(x) - 1.0)), 1.0)

@@ -153,6 +153,26 @@ def test_the_limit_is_said_and_the_nearest_still_counts(rng):
     assert cut.neglected < one.neglected <= 1
 
 
+def test_ends_where_the_nearest_vector_cannot_be_found():
+    """60 ambiguities half way between integers have 2^60 nearest vectors: nobody can sum or find them."""
+    Q, a_hat = 0.01 * np.eye(60), np.full((2, 60), 0.5)
+    a_hat[1] = 3.0
+    found = best_integer_equivariant(a_hat, Q)
+    assert found.complete.tolist() == [False, True]
+    assert found.neglected[0] == 1
+    assert np.isnan(found.greatest_weight[0])
+    assert np.isin(found.a[0], (0.0, 1.0)).all()  # one of them
+    assert np.allclose(found.a[1], 3.0, rtol=0, atol=1e-3)
+    assert np.allclose(best_integer_equivariant(a_hat, 100 * np.eye(60)).a, a_hat, rtol=0, atol=1e-6)  # integrals need no search
+
+
+def test_the_tree_is_not_larger_than_the_limit_allows(rng):
+    """Between its first and last level a tree of 40 levels is much wider than at its end."""
+    found = best_integer_equivariant(rng.uniform(-0.1, 0.1, 40), 0.06 * np.eye(40), most_integers=10_000)
+    assert not found.complete
+    assert found.integers < 100_000
+
+
 def test_stack_equals_one_by_one(rng):
     a_hat, Q, _ = problem(3, 8, 0.3)
     stack = a_hat + rng.uniform(-3, 3, (4, 5, 3))
