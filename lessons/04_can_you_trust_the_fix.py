@@ -290,7 +290,7 @@ def _(mo):
     mo.md(r"""
     ### The equations of the soft ways
 
-    **Partly fixed.** Let [$z$](/notation#z) be the last of the decorrelated ambiguities, as many as have a success rate of $1 - P_f$ together. Least squares makes them whole, and all others follow by their correlation, just as the baseline does:
+    **Partly fixed.** Let [$z$](/notation#z) be the last of the decorrelated ambiguities, as many as have a success rate of $1 - P_f$ together. Least squares makes them whole, [$\check z$](/notation#z_fix), and all others follow by their correlation, just as the baseline does, with the covariances [$Q_z$](/notation#Q_z) and [$Q_{bz}$](/notation#Q_bz):
 
     $$\check b = \hat b - Q_{bz}\, Q_z^{-1}\, (\hat z - \check z)$$
 
@@ -621,7 +621,7 @@ def _(mo):
     | upside down: best over second, at least 1/3 | 59.9 % | 6.4 % |
     | 1/3 given where 3 was meant | 100 % | 6.4 % |
 
-    Upside down, exactly the doubtful fixes pass: all the wrong ones, and not one of the certain ones. It looks well: more epochs are fixed than before.
+    Upside down, exactly the doubtful fixes pass: nearly all of the wrong ones, and not one of the certain ones. It looks well: more epochs are fixed than before.
 
     **Paper of 2019, equation (16).** Printed: the variance of the length row is $b\,b^2$, the *length* squared. It should be $\sigma_b^2$, where [$\sigma_b$](/notation#sigma_b) says how well the length is known. With a beam of 1.167 m and 5 mm, the row is 233 times weaker than meant, and does nothing: a prior
     of 10 mm along the beam stays at 10.0 mm, where it should become 4.5 mm. Move **Sigma of the row** in the third lab, under *more*, to 50 cm, and see a row fade. A curious thing: at 20 cm the row does *better* than at 5 mm, 45 % against 11 %. The slip hides another one, as a row of 5 mm believes its straight line too much.
