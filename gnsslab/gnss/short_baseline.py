@@ -6,7 +6,7 @@ from gnsslab.core.mixed_model import MixedModel
 from gnsslab.gnss.correlation import double_difference_covariance
 from gnsslab.gnss.differences import difference_operator
 
-_UNIT = 1e-3  # a length farther from 1 is no rounding: it moves the baseline by as much of itself
+_UNIT = 0.1  # the mean of unit vectors over an hour is 1 % shorter than 1; positions and angles are farther off
 
 
 def short_baseline_model(u, wavelengths, sigma_code, sigma_phase, epochs=1, reference=0):

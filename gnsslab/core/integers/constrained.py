@@ -28,6 +28,7 @@ from gnsslab.core.jit import kernel_input
 from gnsslab.core.mixed_model import FloatSolution, given_integers
 
 _SAFELY = 1 + 1e-9  # a bound is exclusive, and known but for rounding
+_SMALLEST = 1e-9  # bound: one of zero, for integers and a length hit exactly, would hold nothing and never grow
 
 
 class ConstrainedSolution(NamedTuple):
@@ -175,4 +176,4 @@ def _certain_bounds(problem, n_best, node_limit):
     baselines, Q_b_fix = given_integers(shared, near.candidates)
     off = np.linalg.norm(baselines, axis=-1) - problem.length  # (g, m, n_best)
     promised = near.norms + off**2 / np.linalg.eigvalsh(Q_b_fix)[..., 0]
-    return promised.max(axis=-1) * _SAFELY
+    return np.maximum(promised.max(axis=-1) * _SAFELY, _SMALLEST)

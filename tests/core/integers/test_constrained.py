@@ -190,6 +190,16 @@ def test_nothing_in_nothing_out(one_epoch):
     assert fix_with_length(found, 1.0).candidates.shape == (0, 2, 5)
 
 
+def test_a_float_solution_that_is_exact_already_is_found_at_once():
+    """Its cost is zero: a bound made of it must still hold it."""
+    exact = ([2.0, -1.0], np.eye(2), [1.0, 0.0, 0.0], np.eye(3), np.zeros((3, 2)), 1.0)
+    for fix in (constrained_integer_least_squares, constrained_by_shrinking):
+        found = fix(*exact, n_best=1)
+        assert found.complete
+        assert found.candidates.tolist() == [[2, -1]]
+        assert found.norms == [0.0]
+
+
 def test_node_limit_is_said(one_epoch, rng):
     found = float_solution(one_epoch, rng)
     cut = constrained_integer_least_squares(*arguments(found), 1.0, node_limit=7)
