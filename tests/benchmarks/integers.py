@@ -1,10 +1,11 @@
 """Integer least squares timed beside RTKLIB's C `lambda()`: run `python tests/benchmarks/integers.py [rounds]`.
 
-Needs Debian's librtklib1 (libRTKLib.so.1); with cssrlib installed, its `mlambda` is timed too. Every ratio is of medians
-over interleaved rounds in one process, and counts only after all candidates were found equal and all norms close. For
-"many" and "one Q" C's time is without ctypes' call overhead; for "single", one Python call a problem, with it. The
-problems are double-difference covariances of simulated skies (code 0.3 m, phase 3 mm at the zenith, one epoch to ten)
-and random ones, half and half. GNSSLAB_NO_NUMBA=1 times the kernels uncompiled.
+Needs Debian's librtklib1 (libRTKLib.so.1); cssrlib's `mlambda`, and the same C through pyrtklib, are timed where they are
+installed. Every ratio is of medians of CPU time over interleaved rounds in one thread, and counts only after all
+candidates were found equal and all norms close. For "many" and "one Q" C's time is without ctypes' call overhead; for
+"single", one Python call a problem, with it. The problems are double-difference covariances of simulated skies (code
+0.3 m, phase 3 mm at the zenith, one epoch to ten) and random ones, half and half. GNSSLAB_NO_NUMBA=1 times the kernels
+uncompiled.
 """
 
 import ctypes
@@ -67,23 +68,23 @@ def solve_rtklib(c_lambda, a, Q):
     count, n = a.shape
     F, s = np.zeros((count, 2, n)), np.zeros((count, 2))
     calls = [(n, 2, a[k].ctypes.data, Q[k].ctypes.data, F[k].ctypes.data, s[k].ctypes.data) for k in range(count)]
-    start = time.perf_counter()
+    start = time.thread_time()
     results = [c_lambda(*call) for call in calls]
-    return time.perf_counter() - start, F, s, np.array(results) == 0
+    return time.thread_time() - start, F, s, np.array(results) == 0
 
 
 def seconds(function, *arguments):
-    start = time.perf_counter()
+    start = time.thread_time()
     function(*arguments)
-    return time.perf_counter() - start
+    return time.thread_time() - start
 
 
 def call_overhead(c_lambda, a, Q):
     """Seconds of the same number of ctypes calls that return at once (n = 0): not C's time, so taken off."""
     call = (0, 2, a.ctypes.data, Q.ctypes.data, a.ctypes.data, a.ctypes.data)
-    start = time.perf_counter()
+    start = time.thread_time()
     [c_lambda(*call) for _ in range(len(a))]
-    return time.perf_counter() - start
+    return time.thread_time() - start
 
 
 def one_by_one(a, Q):
@@ -91,18 +92,44 @@ def one_by_one(a, Q):
         integer_least_squares(a_k, Q_k)
 
 
-def compare_cssrlib(n, count, rounds, rng):
-    """Time one call a problem beside cssrlib's mlambda, Python over numpy arrays, on the same problems."""
-    try:
-        from cssrlib.mlambda import mlambda
-    except ImportError:
-        return print("cssrlib is not installed: not compared")
+def call_cssrlib(a, Q):
+    """Return the best candidates (count, n) of cssrlib's mlambda, Python over numpy arrays."""
+    from cssrlib.mlambda import mlambda
+
+    return np.array([mlambda(a_k.copy(), Q_k.copy())[0][:, 0] for a_k, Q_k in zip(a, Q, strict=True)])
+
+
+def call_pyrtklib(a, Q):
+    """Return the best candidates (count, n) of the same C through pyrtklib, its arrays filled from numpy's as its users do."""
+    import pyrtklib
+
+    c_lambda, n = getattr(pyrtklib, "lambda"), a.shape[1]
+    best = np.empty(a.shape)
+    for k in range(len(a)):
+        values, matrix, F, s = (pyrtklib.Arr1Ddouble(size) for size in (n, n * n, 2 * n, 2))
+        for i, value in enumerate(a[k].tolist()):
+            values[i] = value
+        for i, value in enumerate(Q[k].ravel().tolist()):
+            matrix[i] = value
+        c_lambda(n, 2, values, matrix, F, s)
+        best[k] = [F[i] for i in range(n)]
+    return best
+
+
+def compare_called(name, call, n, count, rounds, rng):
+    """Time one Python call a problem beside another package's, on the same problems."""
     a, Q = problems(n, count, rng)
+    try:
+        best = call(a, Q)
+    except ImportError:
+        return print(f"{name} is not installed: not compared")
+    right = np.all(np.rint(best) == integer_least_squares(a, Q).best, axis=-1)
+    assert right.mean() > 0.9, f"{name} gives other answers: {right.mean():.0%} are the same"  # C gives up after 10000 nodes
     ours, theirs = [], []
     for _ in range(rounds):
-        theirs.append(seconds(lambda: [mlambda(a_k.copy(), Q_k.copy()) for a_k, Q_k in zip(a, Q, strict=True)]))
+        theirs.append(seconds(call, a, Q))
         ours.append(seconds(one_by_one, a, Q))
-    print(f"cssrlib  n = {n:2d}: {statistics.median(theirs) / statistics.median(ours):6.1f} times ours")
+    print(f"{name:9s} n = {n:2d}: {statistics.median(theirs) / statistics.median(ours):6.1f} times ours, {right.mean():.1%} the same")
 
 
 def report(kind, n, ours, theirs, count):
@@ -155,7 +182,8 @@ def main(rounds=15):
     for n, count in ((10, 1000), (20, 400)):
         compare_one_covariance(n, count // scale, rounds, rng, c_lambda)
     for n, count in ((5, 100), (10, 40)):
-        compare_cssrlib(n, count, min(rounds, 5), rng)
+        compare_called("cssrlib", call_cssrlib, n, count, min(rounds, 5), rng)
+        compare_called("pyrtklib", call_pyrtklib, n, count, min(rounds, 5), rng)
 
 
 if __name__ == "__main__":

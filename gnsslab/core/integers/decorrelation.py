@@ -152,7 +152,8 @@ def _refuse(bad, status):
 def checked_covariance(Q):
     """Return Q (..., n, n) as float64, or say what is wrong with its shape."""
     Q = np.asarray(Q, dtype=np.float64)
-    if Q.ndim < 2 or Q.shape[-1] != Q.shape[-2] or Q.shape[-1] == 0:
+    shape = Q.shape
+    if len(shape) < 2 or shape[-1] != shape[-2] or shape[-1] == 0:
         raise ValueError(f"Q must be a covariance matrix of shape (n, n) or (..., n, n) with n >= 1; it has shape {Q.shape}.")
     return Q
 

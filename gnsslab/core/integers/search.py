@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, checked_stack, factor, raise_status, reduce
-from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix
+from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, real_result, whole_result
 
 NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
 
@@ -88,6 +88,8 @@ def integer_least_squares(a_hat, Q, n_best=2, *, node_limit=NODE_LIMIT):
 
 def checked_count(count, name):
     """Return a count as int, or say that it is none."""
+    if type(count) is int and count >= 1:
+        return count
     if not 1 <= count < math.inf or count != int(count):
         raise ValueError(f"{name} must be a whole number, 1 or more; it is {count}.")
     return int(count)
@@ -97,13 +99,13 @@ def _grouped(a_hat, Q):
     """Return the stack's shape, and (a (groups, m, n), Q (groups, n, n)): m vectors share each Q."""
     stack, n = checked_stack(a_hat, Q), Q.shape[-1]
     if Q.ndim == 2:
-        return stack, (kernel_input(a_hat.reshape(1, -1, n)), kernel_input(Q[None]))
+        return stack, (kernel_input(a_hat.reshape(1, -1, n)), kernel_input(Q.reshape(1, n, n)))
     a_hat, Q = np.broadcast_to(a_hat, (*stack, n)), np.broadcast_to(Q, (*stack, n, n))
     return stack, (kernel_input(a_hat.reshape(-1, 1, n)), kernel_input(Q.reshape(-1, n, n)))
 
 
 def _as_record(candidates, norms, nodes, shape, node_limit):
-    candidates, norms, nodes = np.asarray(candidates, dtype=np.int64), np.asarray(norms), np.asarray(nodes, dtype=np.int64)
+    candidates, norms, nodes = whole_result(candidates), real_result(norms), whole_result(nodes)
     stack, n_best, n = shape
     if not stack:
         return IntegerSolution(candidates, norms[0], nodes[0, 0], node_limit)
