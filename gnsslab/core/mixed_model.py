@@ -3,6 +3,7 @@
 Least squares first takes all of them as real numbers (float solution); once the integers are known, the others improve.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +31,8 @@ class FloatSolution(NamedTuple):
 
     def __repr__(self):
         known = ", known length used" if self.length_used else ""
-        return f"FloatSolution: {self.a_hat[..., 0].size} of {self.a_hat.shape[-1]} ambiguities, {self.b_hat.shape[-1]} real unknowns{known}"
+        *stack, n = np.shape(self.a_hat)
+        return f"FloatSolution: {math.prod(stack)} of {n} ambiguities, {np.shape(self.b_hat)[-1]} real unknowns{known}"
 
 
 def solve_float(y, A, B, Q_y):
@@ -61,6 +63,7 @@ def given_integers(solution, a_fix):
 
     b_fix = b_hat - Q_ba Q_a^-1 (a_hat - a_fix),    Q_b|a = Q_b - Q_ba Q_a^-1 Q_ab
 
+    Real values in place of integers do as well. Raises ValueError where a_fix does not fit, or Q_a is singular.
     Source: Teunissen (1995), J. Geodesy 70:65-82, eq. 7 and 8.
 
     >>> found = FloatSolution(np.array([7.2]), np.array([3.0]), np.array([[0.2525]]), np.array([[0.01]]), np.array([[-0.05]]))
@@ -68,9 +71,27 @@ def given_integers(solution, a_fix):
     >>> b_fix.round(4).tolist(), Q_b_fix.round(6).tolist()
     ([3.0396], [[9.9e-05]])
     """
-    gain = np.swapaxes(np.linalg.solve(solution.Q_a, np.swapaxes(solution.Q_ba, -1, -2)), -1, -2)  # Q_ba Q_a^-1 (..., p, n)
-    b_fix = solution.b_hat - np.matvec(gain, solution.a_hat - a_fix)
-    return b_fix, solution.Q_b - gain @ np.swapaxes(solution.Q_ba, -1, -2)
+    a_hat, a_fix = np.asarray(solution.a_hat), np.asarray(a_fix)
+    if a_fix.shape[-1:] != a_hat.shape[-1:]:
+        raise ValueError(f"a_fix must have one value for each of the {a_hat.shape[-1]} ambiguities in its last axis; it has shape {a_fix.shape}")
+    return given_known(solution.b_hat, solution.Q_b, np.asarray(solution.Q_ba), np.asarray(solution.Q_a), a_hat - a_fix)
+
+
+def given_known(b_hat, Q_b, Q_bz, Q_z, off):
+    """Return b (..., p) and its covariance, given that k quantities correlated with it are off (..., k) by so much.
+
+    b = b_hat - Q_bz Q_z^-1 off,    Q_b|z = Q_b - Q_bz Q_z^-1 Q_zb
+
+    Q_bz: (..., p, k); Q_z: (..., k, k). Raises ValueError where Q_z is singular.
+
+    >>> [value.round(6).tolist() for value in given_known([3.0], [[0.01]], np.array([[-0.05]]), np.array([[0.2525]]), [0.2])]
+    [[3.039604], [[9.9e-05]]]
+    """
+    try:
+        gain = np.linalg.solve(Q_z, Q_bz.mT).mT  # Q_bz Q_z^-1 (..., p, k)
+    except np.linalg.LinAlgError:
+        raise ValueError("the covariance of what is to be known is singular: two of the integers or combinations depend on each other") from None
+    return b_hat - np.matvec(gain, off), Q_b - gain @ Q_bz.mT
 
 
 def use_length(solution, length, sigma):
@@ -147,8 +168,10 @@ def _whitened(M, Q_y):
 
 def _inverse(N):
     """Return the inverse of a normal matrix, scaled to a unit diagonal first, so that metres and cycles do not matter."""
-    scale = 1.0 / np.sqrt(np.diag(N))
     try:
+        if not np.all(np.diag(N) > 0):
+            raise np.linalg.LinAlgError("no measurement depends on an unknown")
+        scale = 1.0 / np.sqrt(np.diag(N))
         C = np.linalg.cholesky(N * np.outer(scale, scale))
     except np.linalg.LinAlgError:
         raise ValueError("the measurements cannot tell all unknowns apart: there are too few, or two unknowns act alike") from None

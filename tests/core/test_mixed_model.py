@@ -93,6 +93,21 @@ def test_bad_lengths_are_explained(length, sigma, message):
         use_length(free, length, sigma)
 
 
+@pytest.mark.parametrize(
+    ("Q_a", "a_fix", "message"),
+    [(np.eye(2), [1.0, 2.0, 3.0], "each of the 2 ambiguities"), (np.eye(2), 1.0, "each of the 2 ambiguities"), (np.ones((2, 2)), [1, 2], "singular")],
+)
+def test_integers_that_do_not_fit_are_explained(Q_a, a_fix, message):
+    with pytest.raises(ValueError, match=message):
+        given_integers(FloatSolution(np.zeros(2), np.ones(3), Q_a, np.eye(3), np.zeros((3, 2))), a_fix)
+
+
+def test_lists_do_as_well_as_arrays():
+    free = FloatSolution([7.2], [3.0], [[0.2525]], [[0.01]], [[-0.05]])
+    assert np.allclose(given_integers(free, [7])[0], 3.0396, rtol=0, atol=1e-4)
+    assert repr(free) == "FloatSolution: 1 of 1 ambiguities, 1 real unknowns"
+
+
 def test_a_baseline_of_zero_has_no_direction_for_a_length():
     free = FloatSolution(np.zeros(1), np.zeros(2), np.eye(1), np.eye(2), np.zeros((2, 1)))
     with pytest.raises(ValueError, match="no direction"):
@@ -113,6 +128,7 @@ def test_a_measurement_that_is_missing_spoils_its_own_epoch_only():
         ([1.0, 2.0], [[1.0], [0.0]], [[1.0], [1.0]], np.ones((2, 2)), "Q_y is not positive definite"),
         ([1.0, 2.0], [[1.0], [0.0]], [[1.0], [1.0]], [[1.0, 0.5], [0.4, 1.0]], "Q_y is not symmetric"),
         ([1.0, 2.0], [[np.nan], [0.0]], [[1.0], [1.0]], np.eye(2), "A, B and Q_y must be finite"),
+        ([1.0, 2.0], [[0.0], [0.0]], [[1.0], [1.0]], np.eye(2), "cannot tell all unknowns apart"),
         ([1.0, 2.0], [[1.0], [1.0]], [[1.0], [1.0]], np.eye(2), "cannot tell all unknowns apart"),
         ([1.0, 2.0], [[1.0], [1.0]], [[1.0], [1.0]], np.eye(2)[:, :1], "Q_y must have shape"),
     ],

@@ -21,6 +21,7 @@ from gnsslab.core.integers.decorrelation import checked_problem, decorrelate, lt
 from gnsslab.core.integers.rounding import integer_rounding
 from gnsslab.core.integers.search import integer_least_squares
 from gnsslab.core.integers.success import success_rate as success_rate_of
+from gnsslab.core.mixed_model import given_known
 
 
 class PartialSolution(NamedTuple):
@@ -158,7 +159,8 @@ def given_combinations(solution, C, z):
 
     b = b_hat - Q_ba C (C' Q_a C)^-1 (C' a_hat - z),    Q_b|z = Q_b - Q_ba C (C' Q_a C)^-1 C' Q_ab
 
-    C: (n, k); z: (..., k), of a PartialSolution. With C the identity this is `given_integers`.
+    C: (n, k); z: (..., k), of a PartialSolution. With C the identity this is `given_integers`. Raises ValueError where
+    they do not fit, or the combinations depend on each other.
 
     >>> from gnsslab.core.mixed_model import FloatSolution
     >>> found = FloatSolution(np.array([7.2]), np.array([3.0]), np.array([[0.2525]]), np.array([[0.01]]), np.array([[-0.05]]))
@@ -166,11 +168,11 @@ def given_combinations(solution, C, z):
     >>> b.round(4).tolist(), Q_b.round(6).tolist()
     ([3.0396], [[9.9e-05]])
     """
-    C = np.asarray(C)
-    Q_bz = solution.Q_ba @ C  # (..., p, k)
-    gain = np.swapaxes(np.linalg.solve(C.T @ solution.Q_a @ C, np.swapaxes(Q_bz, -1, -2)), -1, -2)
-    b = solution.b_hat - np.matvec(gain, solution.a_hat @ C - z)
-    return b, solution.Q_b - gain @ np.swapaxes(Q_bz, -1, -2)
+    a_hat, z = np.asarray(solution.a_hat), np.asarray(z)
+    C = _checked_combinations(C, a_hat.shape[-1])
+    if z.shape[-1:] != C.shape[1:]:
+        raise ValueError(f"z must have one value for each of the {C.shape[1]} combinations in its last axis; it has shape {z.shape}")
+    return given_known(solution.b_hat, solution.Q_b, solution.Q_ba @ C, C.T @ solution.Q_a @ C, a_hat @ C - z)
 
 
 def _checked_combinations(C, n):

@@ -247,6 +247,22 @@ BAD_CALLS = [
 ]
 
 
+FLOAT = FloatSolution(np.array([0.3, 0.4]), np.ones(3), np.eye(2), np.eye(3), np.zeros((3, 2)))
+
+
+@pytest.mark.parametrize(
+    ("C", "z", "message"),
+    [
+        (np.eye(3, dtype=int), [1, 2, 3], "a row for each of the 2 ambiguities"),
+        ([[1], [0]], [1, 2], "each of the 1 combinations"),
+        ([[1, 1], [0, 0]], [1, 1], "singular"),
+    ],
+)
+def test_combinations_that_do_not_fit_are_explained(C, z, message):
+    with pytest.raises(ValueError, match=message):
+        given_combinations(FLOAT, C, z)
+
+
 @pytest.mark.parametrize(("function", "call", "message"), BAD_CALLS)
 def test_bad_calls_are_explained(function, call, message):
     with pytest.raises(ValueError, match=message):
