@@ -22,7 +22,7 @@ import numpy as np
 
 from gnsslab.core.covariance import check_symmetric
 from gnsslab.core.integers.decorrelation import GOOD, checked_covariance
-from gnsslab.core.integers.search import NODE_LIMIT, IntegerSolution, checked_count, integer_least_squares, raise_problem
+from gnsslab.core.integers.search import MOST_BEST, NODE_LIMIT, IntegerSolution, checked_count, integer_least_squares, raise_problem
 from gnsslab.core.integers.sphere_search import NOT_JOINTLY_POSITIVE, fix_groups_on_sphere
 from gnsslab.core.jit import kernel_input
 from gnsslab.core.mixed_model import FloatSolution, given_integers
@@ -146,7 +146,7 @@ def _grouped(a_hat, Q_a, b_hat, Q_b, Q_ba, length):
 
 def _search(problem, bounds, n_best, node_limit):
     """Return the ConstrainedSolution found from first bounds (g, m)."""
-    n_best, node_limit = checked_count(n_best, "n_best"), checked_count(node_limit, "node_limit")
+    n_best, node_limit = checked_count(n_best, "n_best", MOST_BEST), checked_count(node_limit, "node_limit")
     arrays = [kernel_input(array) for array in problem[:5]]
     candidates, norms, nodes, baselines, status, group = fix_groups_on_sphere(*arrays, problem.length, kernel_input(bounds), n_best, node_limit)
     if status != GOOD:

@@ -21,6 +21,7 @@ import numpy as np
 from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, checked_stack, factor, raise_status, reduce
 from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, real_result, whole_result
 
+MOST_BEST = 10_000  # candidates are kept in order by insertion: as many take seconds
 NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
 
 NOT_A_FLOAT, HAS_NO_FRACTION = -1, -2
@@ -53,6 +54,8 @@ class IntegerSolution(NamedTuple):
     @property
     def ratio(self):
         """Second best over best squared norm (...); RTKLIB's way round, the inverse of the LAMBDA toolbox's."""
+        if self.norms.shape[-1] < 2:
+            raise ValueError("a ratio takes the two best vectors, and there is one: search with n_best=2 or more")
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.norms[..., 1] / self.norms[..., 0]
 
@@ -78,7 +81,7 @@ def integer_least_squares(a_hat, Q, n_best=2, *, node_limit=NODE_LIMIT):
     ([[5, 3, 4], [6, 4, 4]], [0.2183, 0.3073])
     """
     a_hat, Q = np.asarray(a_hat, dtype=np.float64), checked_covariance(Q)
-    n_best, node_limit = checked_count(n_best, "n_best"), checked_count(node_limit, "node_limit")
+    n_best, node_limit = checked_count(n_best, "n_best", MOST_BEST), checked_count(node_limit, "node_limit")
     stack, groups = _grouped(a_hat, Q)
     candidates, norms, nodes, status, problem = fix_groups(*groups, n_best, node_limit)
     if status != GOOD:
@@ -86,12 +89,14 @@ def integer_least_squares(a_hat, Q, n_best=2, *, node_limit=NODE_LIMIT):
     return _as_record(candidates, norms, nodes, (stack, n_best, Q.shape[-1]), node_limit)
 
 
-def checked_count(count, name):
-    """Return a count as int, or say that it is none."""
-    if type(count) is int and count >= 1:
+def checked_count(count, name, most=2**62):
+    """Return a count as int, or say that it is none, or too large."""
+    if type(count) is int and 1 <= count <= most:
         return count
     if not 1 <= count < math.inf or count != int(count):
         raise ValueError(f"{name} must be a whole number, 1 or more; it is {count}.")
+    if count > most:
+        raise ValueError(f"{name} must be no more than {most}; it is {count}.")
     return int(count)
 
 

@@ -236,3 +236,17 @@ def test_bad_node_limit_is_explained():
 def test_rounding_asymmetry_is_forgiven(rng):
     Q = covariance(6, rng)
     assert integer_least_squares(np.full(6, 0.3), Q * (1 + 1e-13 * rng.standard_normal((6, 6)))).complete
+
+
+def test_counts_too_large_are_explained():
+    with pytest.raises(ValueError, match="n_best must be no more than 10000; it is 10001"):
+        integer_least_squares([0.1], [[1.0]], 10_001)
+    with pytest.raises(ValueError, match="node_limit must be no more than"):
+        integer_least_squares([0.1], [[1.0]], node_limit=10**30)
+    with pytest.raises(ValueError, match="node_limit must be a whole number"):
+        integer_least_squares([0.1], [[1.0]], node_limit=np.inf)
+
+
+def test_one_vector_has_no_ratio():
+    with pytest.raises(ValueError, match="n_best=2 or more"):
+        _ = integer_least_squares([0.1], [[1.0]], 1).ratio
