@@ -64,7 +64,7 @@ def test_a_preset_by_its_button(lesson):
     before, other = _shown(page, "centimetres"), _shown(page, "spectrum")
     page.get_by_role("button", name="L1 alone").click()
     assert "32.7" in _await_change(page, "centimetres", before)
-    page.locator(".gl-look").get_by_text("a fix is millimetres or metres, with nothing between").wait_for()
+    page.locator(".gl-look").get_by_text("off by decimetres and more, with nothing between").wait_for()
     assert _shown(page, "spectrum") == other
 
 
@@ -142,3 +142,12 @@ def test_pictures_have_words(lesson):
         ("spectrum", "7 conditional standard deviations"),
     ):
         assert words in _stage(page, lab).locator(".gl-pictures img").first.get_attribute("alt")
+
+
+def test_number_keys_press_presets_of_the_lab_in_front_of_the_class(visit):
+    page = visit("/lesson/03/?mode=present&lab=cells", width=1280, height=800)
+    page.locator('.gl-stage[data-lab="cells"] .gl-pictures img:visible').wait_for(timeout=PATIENCE)
+    page.keyboard.press("4")
+    page.locator(".gl-look:visible").get_by_text("Three satellites, one epoch.").wait_for(timeout=PATIENCE)
+    box = page.locator(".gl-pictures img:visible").bounding_box()
+    assert box["y"] + box["height"] <= 800, "the whole picture is in sight without scrolling"
