@@ -64,15 +64,15 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     ## Play
 
-    The picture is a map about the mark. Every blue dot is one instant, one *epoch*: its position from codes and carriers, with the whole numbers in
-    the carriers taken for any numbers. This is the *float solution*.
+    The picture is a map about the mark. Every blue dot is one *epoch*, that is one instant: a position from codes and carriers, in which the unknown
+    whole numbers of the carriers may take any value, fractions too. This is the *float solution*.
 
-    Then the whole numbers are searched, and the same epoch gives a second position, the *fixed solution*. With the right integers it lies
-    in the green dot in the middle, and the little window magnifies that dot. With wrong integers it is an orange cross. The black lines hold 95 % of
-    the dots, if the noise is what the solver believes.
+    Then the whole numbers are searched for, and the same epoch gives a second position, the *fixed solution*. With the right integers it lies
+    in the green dot in the middle, and the little window magnifies that dot. With wrong integers it is an orange cross. Each ellipse holds 95 % of
+    its dots, if the noise is what the solver believes.
 
-    The second picture counts: how often are all integers right at once? The black curve is what the solver promises before it has seen a
-    measurement.
+    The second picture counts how often all integers are right at once: the green dot. The curve is what the solver promises before it has seen a
+    measurement, for one epoch or for the mean of several.
     """)
     return
 
@@ -134,12 +134,14 @@ def _(lesson, prediction):
 
     Try these, one at a time:
 
-    1. Press **L1 alone**. The window shows the same small cloud, but two of three epochs are crosses. A fix is millimetres or metres. There is
-       nothing between, and nothing in a single cross tells you which it is. (Lesson 04 is about that.)
+    1. Press **L1 alone**. The cloud in the window is as small as before, but two of three epochs are crosses. A fix is good to millimetres, or
+       off by decimetres and more. There is nothing between, and a single position does not tell you which of the two it is. (Lesson 04 is about
+       that.)
     2. Press **Ten epochs**. The mean of ten epochs is three times better, not ten times. But the crosses are gone.
-    3. Move **Code noise**. The float cloud grows and shrinks with it, the window does not move. Then move **Carrier noise**, under *more*. Now it
-       is the window that changes.
-    4. Move **Satellites** to seven: no crosses. Then down to four. The float cloud is six times as large, and one epoch in nine is right.
+    3. Press **Start**, and move **Code noise**. The float cloud grows and shrinks with it (read the numbers on the axes: the map follows the cloud).
+       The window stays as it is. Then move **Carrier noise**, under *more*. Now it is the window that changes.
+    4. Press **Start**, and move **Satellites** to seven: no crosses. Then down to four. The float cloud is six times as large, and one epoch in
+       nine is right.
     5. Press **Diagonal alone**. The measurements are the same. This solver rounds each ambiguity by itself, and one epoch in a thousand is right.
 
     **And your answer?** A hundred times. The float position is as good as the codes, the fixed one as good as the carriers: 30 cm against 3 mm.
@@ -155,27 +157,28 @@ def _(mo):
 
     ### Float, integer, fixed
 
-    The double differences [$y$](/notation#y) of lesson 02 follow the mixed model. $A$ and $B$ are known, [$a$](/notation#a) are the *ambiguities*,
-    whole numbers of cycles, and [$b$](/notation#b) is the baseline:
+    The double differences [$y$](/notation#y) of lesson 02, of codes and of carriers, follow the *mixed model*. $A$ and $B$ are known matrices,
+    [$a$](/notation#a) are the *ambiguities*, whole numbers of cycles, and [$b$](/notation#b) is the baseline. The noise is $e$, with the covariance
+    matrix [$Q_y$](/notation#Q_y):
 
     $$y = A\,a + B\,b + e, \qquad e \sim N(0,\ Q_y)$$
 
     With $m$ satellites on [$f$](/notation#f) frequencies there are [$n$](/notation#n) $= f\,(m - 1)$ ambiguities. It goes in three steps.
 
-    **Float.** Forget that $a$ are whole numbers. Least squares gives [$\hat a$](/notation#a_hat) and [$\hat b$](/notation#b_hat), and their
+    **Float.** Forget that $a$ holds whole numbers. Least squares gives [$\hat a$](/notation#a_hat) and [$\hat b$](/notation#b_hat), and their
     covariance matrices [$Q_a$](/notation#Q_a), [$Q_b$](/notation#Q_b) and, between the two, [$Q_{ba}$](/notation#Q_ba).
 
-    **Integer.** Find the whole numbers [$\check a$](/notation#a_fix) that fit best to $\hat a$. This is what the rest of the lesson is about.
+    **Integer.** Find the whole numbers [$\check a$](/notation#a_fix) that fit $\hat a$ best. This is what the rest of the lesson is about.
 
     **Fixed.** Now the ambiguities are known, and the baseline follows:
 
     $$\check b = \hat b - Q_{ba}\, Q_a^{-1}\, (\hat a - \check a)$$
 
-    In words: the integers move the ambiguities by $\hat a - \check a$. Ambiguities and baseline are correlated, so the baseline moves along. The
+    In words: the integers take $\hat a - \check a$ off the ambiguities. Ambiguities and baseline are correlated, so the baseline moves along. The
     covariance of [$\check b$](/notation#b_fix) is $Q_b - Q_{ba}\, Q_a^{-1}\, Q_{ba}^{\mathsf T}$: what the ambiguities have explained is taken off.
 
     **How much is that?** In one epoch there are as many carriers as ambiguities. In the float solution each carrier is used up by its own ambiguity, and the
-    position rests on the codes alone, with [$\sigma_P$](/notation#sigma_P). In the fixed solution the carriers are codes that are read a hundred times better,
+    position rests on the codes alone, with [$\sigma_P$](/notation#sigma_P). In the fixed solution the carriers are like codes that are read a hundred times better,
     with [$\sigma_\phi$](/notation#sigma_phi). Both see the same satellites, so the shape stays and the size falls by $\sigma_P / \sigma_\phi$.
     """)
     return
@@ -186,15 +189,21 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     ### Why not just round?
 
-    All float ambiguities are wrong for one reason: the float position is wrong. If it lies half a metre too far east, each of them is off by
-    as many cycles as its satellite lies east. Three numbers, the errors of the position, make all the errors. So the float point does not lie
-    in a ball about the integers. It lies in a *needle*.
+    All float ambiguities are wrong for the same reason: the float position is wrong. If it lies half a metre too far east, the ambiguity of a
+    satellite low in the east is off by two or three cycles, and that of a satellite low in the west by as many the other way. Three numbers, the
+    errors of the position, make nearly all the errors. So float ambiguities do not scatter in a ball about the true integers. They scatter in a
+    *needle*, long and thin.
 
-    Here are two ambiguities, a plane that you can see. The cross is the float point. Move it with **Float value 1** and **Float value 2**. The dashed
-    ellipse is the needle. The tiles are *cells*: all float points of one tile are taken to the same integers, the dot in it. Each way of finding
-    integers has cells of its own. The true integers are the star, and its cell is blue.
+    Two ambiguities make a plane, and you can see it. The cross is the *float point*, with the two float ambiguities as its coordinates. Move it with
+    **Float value 1** and **Float value 2**, as if the noise had been another. The dashed ellipse about it is the needle. The solid blue one is the same
+    needle, blown up or shrunk until it touches the nearest integers.
 
-    On the right, the search that finds the answer of least squares, one node after the other.
+    The tiles are *cells*: all float points of one tile are taken to the same integers, the small dot in it. Each way of finding integers has cells of
+    its own. The star is the true integers, and the outlined tile is their cell. The filled tile is the cell with the cross in it. Where both are one
+    tile, the answer is right.
+
+    The second picture is the search that finds the answer of least squares. Each *node* is an integer tried for one ambiguity. (**Ratio** says how
+    much farther the second best integers are than the best. It belongs to lesson 04.)
     """)
     return
 
@@ -253,18 +262,22 @@ def _(cells, saving_cells):
 def _(lesson, prediction):
     lesson.text(prediction, r"""
     **What you see.** Three ways, three answers. Rounding takes the nearest dot, as your eye does. It is wrong. Least squares takes a dot that
-    looks far away, but lies in the needle. It is right.
+    looks far away, but lies along the needle. It is right.
+
+    Try these, one at a time:
 
     1. Choose the **Cells of** *rounding*, then *bootstrapping*, then *least squares*. Squares, slanted boxes, hexagons along the needle. All have the same
-       area. Look in which tile the cross lies.
-    2. Press **A thousand draws**. These are the places where the float point might have been. Change the cells again: rounding is right for 28 % of them,
+       area, 1. Look in which tile the cross lies.
+    2. Press **A thousand draws**: the float points of a thousand other epochs. Change the cells again: rounding is right for 28 % of them,
        bootstrapping for 39 %, least squares for 64 %.
-    3. Press **Decorrelated**. The same experiment, in other integers. The needle is nearly round, the hexagons are nearly squares, and the three ways agree.
+    3. Press **Decorrelated**. The same experiment, in other integers. The needle is nearly a circle, the cells are about as long as wide, and the three
+       ways agree. (The sliders still move the two ambiguities that you began with, so now the cross moves aslant.)
     4. Press **Step by step**, and move **Nodes shown** to the right. The search goes down to a first answer, then back up, to see whether another
        branch can still be better. When none can, the answer is proved.
-    5. Press **Three ambiguities**, then **Three, decorrelated**. The same float point, the same answer: 46 nodes, then 7.
-    6. Press **Wide lane**. Two frequencies of one pair of satellites. Decorrelation takes the difference of the two, the *wide lane*, by itself: surveyors
-       found it by hand.
+    5. Press **Three ambiguities**, then **Three, decorrelated**. The same float point, the same answer: 46 nodes, then 7. (The plane is what is left once
+       the third ambiguity is chosen. That moves the float point of the other two, from *before* to the cross.)
+    6. Press **Wide lane**: one pair of satellites on two frequencies. Decorrelation finds the difference of the two by itself, $a_1 - a_2$ on the vertical
+       axis. Surveyors found it by hand, and call it the *wide lane*.
     """)
     return
 
@@ -274,7 +287,7 @@ def _(mo):
     mo.md(r"""
     ### Three ways to whole numbers
 
-    **Rounding** takes each ambiguity for itself. It uses the diagonal of $Q_a$ at most, and the truth is beside the diagonal.
+    **Rounding** takes each ambiguity for itself. It makes no use of $Q_a$. But what makes the needle stands there, beside the diagonal.
 
     **Bootstrapping** rounds the last one. If that moved it by 0.3 cycles, the others move along, each as far as it is correlated. Then it rounds
     the last but one, and so on. What it needs is a factorisation of the covariance matrix:
@@ -288,15 +301,16 @@ def _(mo):
 
     $$\check a = \arg\min_{a}\ (\hat a - a)^{\mathsf T}\, Q_a^{-1}\, (\hat a - a)$$
 
-    In words: blow up the ellipse about the float point until it touches a vector of integers. No other way is right more often
-    (Teunissen, 1999).
+    In words: blow up the ellipse about the float point until it touches a vector of integers. What is minimised is the *squared norm* of the
+    second lab. No other way is right more often (Teunissen, 1999).
 
-    How often is right? Bootstrapping is right if each step is, and for each the chance is that of a normal error within half a cycle:
+    How often is that? Bootstrapping is right if each of its steps is, and the chance of a step is that of a normal error within half a cycle:
 
     $$P_s = \prod_{i=1}^{n} \left( 2\,\Phi\!\left(\frac{1}{2\sqrt{d_i}}\right) - 1 \right)$$
 
-    Here [$P_s$](/notation#P_s) is the *success rate*, and $\Phi$ is the normal distribution (not the carrier phase of the lessons before). Least squares does
-    as well or better. So this number, after decorrelation, is the promise of the first lab.
+    Here [$P_s$](/notation#P_s) is the *success rate*, and $\Phi$ is the distribution function of the normal distribution (not the carrier phase of the
+    lessons before). Least squares does as well or better. So this number, after decorrelation, is the promise of the first lab: too small rather than too
+    large.
     """)
     return
 
@@ -306,7 +320,7 @@ def _(mo):
     mo.md(r"""
     ### Decorrelation
 
-    Instead of $a_1$ and $a_2$ you may look for $z_1 = -2 a_1 + 3 a_2$ and $z_2 = a_1 - a_2$. Whole numbers in, whole numbers out. And back:
+    The second lab did this at its start. Instead of $a_1$ and $a_2$ you may look for $z_1 = -2 a_1 + 3 a_2$ and $z_2 = a_1 - a_2$. Whole numbers in, whole numbers out. And back:
     $a_1 = z_1 + 3 z_2$, $a_2 = z_1 + 2 z_2$. Nothing is lost. In general:
 
     $$z = Z^{\mathsf T} a, \qquad \hat z = Z^{\mathsf T} \hat a, \qquad \det Z = \pm 1$$
@@ -322,13 +336,13 @@ def _(mo):
 
     ### The search
 
-    Written with $L$ and $d$, the squared distance is a sum with one term for each ambiguity:
+    Written with the $L$ and $d$ of $Z^{\mathsf T} Q_a Z$, the squared norm is a sum with one term for each ambiguity:
 
     $$(\hat z - z)^{\mathsf T} (Z^{\mathsf T} Q_a Z)^{-1} (\hat z - z) = \sum_{i=n}^{1} \frac{(z_i - c_i)^2}{d_i}$$
 
     Here [$z$](/notation#z) are the integers to choose, and [$c_i$](/notation#c) is the float value of $z_i$ once those after it are chosen. In words: choose the last one, the
-    nearest to its float value, and pay its term. Choose the last but one and pay again. The sum only grows. So as soon as it is larger than that of an answer
-    you have, leave this branch.
+    nearest to its float value, and pay its term. Choose the last but one and pay again. The sum only grows. So as soon as it is larger than that of the
+    answers you have, leave this branch.
     """)
     return
 
@@ -341,7 +355,7 @@ def _(lesson, prediction):
     More than three ambiguities nobody can see. But you can see their conditional sigmas, $\sqrt{d_i}$, in the order in which the search fixes them.
     Orange: as the double differences are. Blue: after decorrelation. Mind the axis: it is logarithmic.
 
-    On the right, the nodes that the search visits, for ten epochs.
+    The second picture shows how many nodes the search visits, for ten epochs. *Straight down* is the fewest possible.
     """)
     return
 
@@ -399,14 +413,18 @@ def _(saving_spectrum, spectrum):
 @app.cell(hide_code=True)
 def _(lesson, prediction):
     lesson.text(prediction, r"""
-    **What you see.** Three large sigmas, then a fall. The search begins with the three: it must try hundreds of combinations of them, and learns
+    **What you see.** Three large sigmas, then a fall. The search begins with the three: it must try thousands of combinations of them, and learns
     only at the fourth that nearly all of them lead nowhere. After decorrelation all sigmas are alike, and the search goes almost straight down.
+
+    Try these, one at a time:
 
     1. Press **Fourteen**, then **Thirty**. However many ambiguities there are, *three* are large. With thirty, most searches without decorrelation do not end: they
        are stopped at half a million nodes, and then nobody knows whether the best one seen is the best one.
-    2. Move **Code noise**. The three move, the others do not. Move **Carrier noise**: now it is the others.
-    3. Move **Epochs together**. Everything goes down alike. What you see is not noise, it is geometry.
-    4. Switch **Decorrelation** off, and look at **One after the other**: the chance that plain bootstrapping is right.
+    2. Press **Seven ambiguities**, and move **Code noise**. The orange three move, the other orange ones do not. Move **Carrier noise**: now it is the
+       others.
+    3. Move **Epochs together**. All sigmas fall alike, and the step after the third stays. Geometry says where it is, the ratio of code to carrier
+       noise how high.
+    4. Press **Seven ambiguities**, then **Decorrelation off**, and look at **Bootstrapping**: right in 11.9 % of the cases, then in 0.1 %.
 
     The times are those of this machine, now. Watch their ratio, not their size.
     """)
@@ -423,13 +441,13 @@ def _(mo):
     follows from it, up to the noise of its carrier: a few hundredths of a cycle. (With a second frequency the first ambiguity of it is a
     little larger again: it brings a new reading of the reference satellite.)
 
-    The product of all $d_i$ is the determinant of $Q_a$, which no $Z$ can change. Three large ones and many small ones have the same product as many medium ones. Their
-    geometric mean has a name, *ambiguity dilution of precision*:
+    The product of all $d_i$ is the determinant of $Q_a$, which no $Z$ can change. Three large ones and many small ones have the same product as many medium ones. The
+    geometric mean of the sigmas has a name, *ambiguity dilution of precision*:
 
     $$\mathrm{ADOP} = (\det Q_a)^{1/(2n)} = \left( \prod_{i=1}^{n} \sqrt{d_i} \right)^{1/n}$$
 
-    In words: [ADOP](/notation#ADOP) is the level at which all conditional sigmas would lie if decorrelation were perfect, in cycles. Below 0.12 nearly every fix is right, at
-    0.5 nearly none. It is the dotted line, before and after.
+    In words: [ADOP](/notation#ADOP) is the level at which all conditional sigmas would lie if decorrelation were perfect, in cycles. Below 0.12 nearly every fix is
+    right. At 0.5, with six ambiguities or more, hardly one in ten is. It is the dotted line, before and after.
 
     All symbols stand on the [notation page](/notation).
     """)
@@ -468,7 +486,7 @@ def _(mo):
     mo.md(r"""
     ## Reach a goal
 
-    One goal for the first lab, two for the second, one for the third. They are judged as you move. Not all controls that help are in
+    There is one goal for the first lab, two for the second, one for the third. They are judged as you move. Not all controls that help are in
     sight: look under *more*.
     """)
     return
@@ -503,8 +521,8 @@ def _(mo):
     mo.md(r"""
     ## Real data
 
-    Set **Data** to *real pair* in the first lab. The two stations in Japan of lesson 02, 3335 m apart, for an hour, 120 epochs. Each epoch is solved by
-    itself. Epochs with the right integers:
+    Set **Data** to *real pair* in the first lab: the two stations in Japan of lesson 02, 3335 m apart, for an hour, 120 epochs. Each epoch is solved by
+    itself. What is right is known from the whole hour, solved at once. Epochs with the right integers:
 
     | satellites | L1 | L1 + L2 |
     |---|---|---|
@@ -513,20 +531,20 @@ def _(mo):
     | 6 | 69.2 % | 100.0 % |
     | 7 | 69.5 % | 100.0 % |
 
-    A second frequency is worth more than three satellites. Now L1 with six satellites, and the mean of several epochs:
+    A second frequency is worth more than three more satellites. Now L1 with six satellites, and the mean of several epochs:
 
-    | epochs together | float, real | float, claimed | right integers | promised |
+    | epochs together | float, real [m] | float, claimed [m] | right integers | promised |
     |---|---|---|---|---|
-    | 1 | 0.40 m | 0.79 m | 69.2 % | 9.3 % |
-    | 5 | 0.24 m | 0.35 m | 93.1 % | 77.2 % |
-    | 20 | 0.18 m | 0.18 m | 98.0 % | 99.9 % |
-    | 60 | 0.18 m | 0.10 m | 100.0 % | 100.0 % |
+    | 1 | 0.40 | 0.79 | 69.2 % | 9.3 % |
+    | 5 | 0.24 | 0.35 | 93.1 % | 77.2 % |
+    | 20 | 0.18 | 0.18 | 98.0 % | 99.9 % |
+    | 60 | 0.18 | 0.10 | 100.0 % | 100.0 % |
 
     * One epoch is better than claimed: these are good receivers, and the solver believes 30 cm. Move **Code noise** to 0.15 m and **Carrier noise** to
       2 mm: now the claimed cloud fits the real one. Code noise of real data is only what the solver *believes*.
     * Twenty epochs are no better than claimed, and with sixty the real cloud does not shrink any more. The claim goes on shrinking. Reflected signals last for minutes, so
       the epochs are not independent. Whoever believes the claim at sixty epochs believes too much.
-    * The fixed cloud has 4 to 5 mm: as good as the carriers are, and as the air over three kilometres lets them be.
+    * The fixed cloud of single epochs has an rms of 4 to 5 mm: as good as the carriers are, and as the air over three kilometres lets them be.
 
     Set **Data** to *my files* to use your own: two receivers that stand still, and broadcast orbits.
     """)
@@ -538,7 +556,7 @@ def _(mo):
     mo.md(r"""
     ## Reproduce
 
-    Numbers that others have published, and what the verbs of this lesson give:
+    Numbers that others have published, and what the functions of this lesson give:
 
     | published by | what | theirs | ours |
     |---|---|---|---|
@@ -548,17 +566,18 @@ def _(mo):
     | LAMBDA 4.0 toolbox, example 2 | success rate, two ambiguities | 97.08 % | 97.08 % |
     | LAMBDA 4.0 toolbox, example 3 | success rate, one epoch of L1 | 30.7 % | 30.7 % |
 
-    The covariance matrix of the first three rows is that of the second lab, with three ambiguities and one epoch.
+    The covariance matrix of the first three rows is in the second lab: **Ambiguities** *three*, and under *more* **Covariance of** *a textbook* and
+    **Epochs averaged** 1.
 
     ## Find the printed error
 
     Choose **The solver believes** in the first lab. At its start:
 
-    | the solver believes | right integers | promised | ADOP | float, real | float, claimed |
+    | the solver believes | right integers | promised | ADOP | float, real [m] | float, claimed [m] |
     |---|---|---|---|---|---|
-    | all it knows | 98.6 % | 95.5 % | 0.173 | 0.75 m | 0.74 m |
-    | diagonal alone | 0.1 % | 0.0 % | 2.492 | 0.75 m | 0.74 m |
-    | as printed: code 3 cm | 2.7 % | 100.0 % | 0.071 | 0.85 m | 0.03 m |
+    | all it knows | 98.6 % | 95.5 % | 0.173 | 0.75 | 0.74 |
+    | diagonal alone | 0.1 % | 0.0 % | 2.492 | 0.75 | 0.74 |
+    | as printed: code 3 cm | 2.7 % | 100.0 % | 0.071 | 0.85 | 0.03 |
 
     **Paper of 1998, section 3.** Printed: the sigma of the C/A code is set to **3 cm**. Meant: 3 m, as it stands further down for the other receivers. You met the slip in
     lesson 01. There it made a promise too good by a hundred. Here it destroys integers: the solver thinks that it knows the position to 3 cm, so it
@@ -567,9 +586,9 @@ def _(mo):
     **Paper of 2015, scheme 1.** Each epoch is solved by itself with least squares, and the equations, (1) to (13), hold *carriers only*. Choose *carrier alone*: with $n$ carriers there are $n$
     integers and the unknowns of the position or attitude, three too many. There is no float solution at all. The authors must have used codes. The text does not mention them.
 
-    **Diagonal alone.** This one stands in none of the five papers. It is the usual shortcut: a program hands over the float ambiguities and their sigmas,
-    and forgets what is beside the diagonal. Then the nearest integers are the rounded ones. The sigmas themselves are right, and so is the promise. It is just that nobody needs an answer
-    that is right once in a thousand times.
+    **Diagonal alone.** This one stands in none of the five papers of this course. It is the usual shortcut: a program hands over the float ambiguities and their sigmas,
+    and forgets what is beside the diagonal. Then the nearest integers are the rounded ones. The sigmas themselves are right, and so is the promise. But an answer that is right
+    once in a thousand times is of no use.
     """)
     return
 
@@ -680,11 +699,11 @@ def _(mo):
     mo.md(r"""
     ## What can go wrong
 
-    * **Fixing too early.** A wrong fix is worse than none: it claims millimetres and is off by decimetres. Lesson 04 is about when to believe.
-    * **Sigmas that are guessed.** The integers hang on the ratio of code to carrier noise, and the promise hangs on both. The table above shows what three wrong centimetres do.
-    * **A bias.** An error that is no noise, half a cycle or a reflection, moves the whole needle. No success rate knows of it.
+    * **Fixing too early.** A wrong fix is worse than none: it claims millimetres and is off by decimetres or metres. Lesson 04 is about when to believe.
+    * **Sigmas that are guessed.** The integers hang on the ratio of code to carrier noise, and the promise hangs on both. The table above shows what one wrong sigma does.
+    * **A bias.** An error that does not average out, as that of a reflected signal or of half a cycle, moves the whole needle. No success rate knows of it.
     * **A slip.** An ambiguity that changes between two epochs must not go into one mean.
-    * **Mixing systems.** Between GPS and GLONASS, or receivers of two makers, the double difference may hold a fraction that is no integer at all.
+    * **Mixing systems.** Between satellites of GPS and GLONASS, or of GLONASS alone with receivers of two makers, the double-difference ambiguity may be no integer at all.
     * **A long baseline.** Beyond ten or twenty kilometres the ionosphere no longer cancels, and the float point is off by more than its needle says.
     * **A search that was stopped.** A program with a limit must say when it hit it. Ours does: `integer_least_squares(...).complete`.
 

@@ -20,6 +20,7 @@ from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.labs.skies import open_sky
 
 MM = 1e-3
+PERCENT = "\N{NO-BREAK SPACE}%"
 DRAWS = 1000  # a counted share is good to 1.6 %
 MOST_NODES = 80  # that the picture has room for
 KEPT = 8
@@ -58,17 +59,17 @@ PRESETS = (
     Preset("all-agree", "All agree", {"float_1": 0.38, "float_2": 0.22},
            "Near the true integers all three answers are the same. Choose the cells of each: the cross is in the same one."),
     Preset("bootstrapping-helps", "Bootstrapping helps", {"estimator": "bootstrapping", "float_1": 0.54, "float_2": 0.4},
-           "Rounding takes 0.54 for 1. Bootstrapping rounds the second to 0 first, which brings the first back to 0."),
+           "Rounding makes 1 of 0.54. Bootstrapping rounds the second one to 0 first, which brings the first one back to 0."),
     Preset("far-needle", "Far out", {"covariance": "satellites", "epochs": 1, "float_1": 2.58, "float_2": 1.46},
            "Three satellites, one epoch. The cross is three cycles away from the true integers, and still in their cell: the needle is that long."),
     Preset("decorrelated-cells", "Decorrelated", {"decorrelated": True},
-           "The same experiment in other integers: the needle is nearly a circle, the cells nearly squares, and all three are right."),
+           "The same experiment in other integers: the needle is nearly a circle, the cells are about as long as wide, and all three are right."),
     Preset("on-the-edge", "On the edge", {"decorrelated": True, "float_1": 1.64, "float_2": 1.12},
-           "The cross lies on the edge of two cells: both integers are as far away, the ratio is near 1, and nobody should believe either."),
+           "The cross lies on the edge of two cells: the integers of both are equally far away, the ratio is 1, and nobody should believe either."),
     Preset("thousand-draws", "A thousand draws", {"draws": True},
            "Blue dots lie in the cell of the true integers, and are right. Change the cells: the dots stay, but fewer are blue."),
     Preset("tree-step-by-step", "Step by step", {"nodes_shown": 3},
-           "Move Nodes shown to the right: down to a first candidate, then back up, with a bound that shrinks, until nothing is left to try."),
+           "Move Nodes shown to the right: down to a first candidate, then back up. The bound shrinks, until nothing is left to try."),
     Preset("three-in-the-tree", "Three ambiguities",
            {"ambiguities": 3, "covariance": "satellites", "epochs": 1, "float_1": -0.6, "float_2": -2.6, "float_3": -0.92},
            "Four satellites, one epoch, a needle. The search tries eight integers for the third, and only one of them leads to the answer."),
@@ -329,7 +330,7 @@ def readouts(result):
 def _word_on(answer, space):
     sigma = np.sqrt(answer.promised * (1 - answer.promised) / DRAWS)
     as_a = f", a = {vector(space.back @ answer.integers)}" if space.letter == "z" and not answer.is_right else ""
-    rate = f"success rate {100 * answer.promised:.1f} %, counted {100 * answer.counted:.1f} \N{PLUS-MINUS SIGN} {100 * sigma:.1f} %"
+    rate = f"success rate {100 * answer.promised:.1f}{PERCENT}, counted {100 * answer.counted:.1f} \N{PLUS-MINUS SIGN} {100 * sigma:.1f}{PERCENT}"
     return f"{_word(answer)} here{as_a}; {rate}"
 
 
@@ -369,7 +370,7 @@ def _word(answer):
 
 GOALS = (
     Goal("luck", "Two ambiguities, the textbook's covariance, not decorrelated: find a float point at which rounding is right and least squares is "
-         "wrong. How far out in the needle is it?", _judge_luck),
+         "wrong. Does it lie along the needle, or across?", _judge_luck),
     Goal("bush", "Three ambiguities, not decorrelated, a float point that noise may well bring about: let the search try 60 nodes or more, of which "
          "decorrelation leaves 8 at most.", _judge_bush),
 )  # fmt: skip

@@ -55,23 +55,24 @@ PRESETS = (
            "A cloud of metres becomes a cloud of millimetres: the right epochs all lie in the dot in the middle, and the little window magnifies it. "
            "A few crosses got wrong integers."),
     Preset("one-frequency", "L1 alone", {"frequencies": 1, "satellites": 8},
-           "The fixed cloud is as small as before, but two of three epochs are crosses: a fix is millimetres or metres, with nothing between."),
+           "The fixed cloud is as small as before, but two of three epochs are crosses: good to millimetres, or "
+           "off by decimetres and more, with nothing between."),
     Preset("ten-epochs", "Ten epochs", {"frequencies": 1, "satellites": 8, "epochs": 10},
-           "The mean of ten epochs on L1: the float cloud is three times smaller, not more, and not a cross is left."),
+           "The mean of ten epochs on L1: both clouds are three times smaller, not more, and not a cross is left."),
     Preset("five", "Five satellites", {"satellites": 5},
            "One satellite fewer: the float cloud grows by half, and a quarter of the epochs have wrong integers."),
     Preset("three-frequencies", "Three frequencies", {"satellites": 5, "frequencies": 3},
-           "Five satellites again, with a third carrier: more integers to find, and they are easier to find."),
+           "Five satellites again, with a third carrier: more integers to find, and nearly every epoch finds them."),
     Preset("diagonal", "Diagonal alone", {"belief": "diagonal"},
            "The same epochs, each ambiguity rounded by itself: hardly one is right, because all of them are wrong together."),
     Preset("printed-code", "Code 3 cm", {"belief": "printed", "frequencies": 1, "satellites": 8},
            "A paper of 1998 has 3 cm where 3 m belongs: the solver promises 100 %, and 99 of 100 fixes are wrong."),
     Preset("cheap", "Cheap antenna", {"code_noise": 0.8, "carrier_noise": 5},
-           "Noisy codes: the float cloud fills the picture, and most of the crosses are far away."),
+           "Read the axes: the float cloud is nearly three times as large as at the start, and seven of ten epochs are crosses."),
     Preset("real-one", "Real, L1", {"data": "real", "frequencies": 1, "satellites": 6},
-           "An hour in Japan, each epoch by itself on one frequency: some epochs find their integers."),
+           "An hour in Japan, each epoch by itself on one frequency: two of three find their integers, far more than promised."),
     Preset("real-two", "Real, L1 + L2", {"data": "real", "frequencies": 2, "satellites": 6},
-           "The same hour on both frequencies: nobody simulated this, and the middle of the picture fills up."),
+           "The same hour on both frequencies: nobody simulated this, and every epoch finds its integers."),
 )  # fmt: skip
 
 

@@ -38,17 +38,18 @@ CONTROLS = (
 
 PRESETS = (
     Preset("seven", "Seven ambiguities", {},
-           "Orange: three large ones, then a fall by a factor of twenty. Blue: all alike, near the dotted line. Thousands of nodes against thirty."),
+           "Orange: three large ones, then a fall by a factor of twenty. Blue: all alike, near the dotted line. "
+           "Thirteen thousand nodes against thirty."),
     Preset("fourteen", "Fourteen", {"bands": 2},
            "A second frequency: still only three are large, for there are three coordinates. All the others are small from the start."),
     Preset("thirty", "Thirty", {"sats": 11, "bands": 3},
-           "Without decorrelation some of the searches do not end. With it the search goes nearly straight down: two nodes for each ambiguity."),
+           "Without decorrelation most of the searches do not end. With it the search goes nearly straight down: two nodes for each ambiguity."),
     Preset("without", "Decorrelation off", {"decorrelated": False},
            "What you have without it: three large steps first, of which the search must try thousands of combinations."),
     Preset("sixty", "Sixty epochs", {"together": 60},
            "All sigmas are eight times smaller, before and after. The fall after the third one is as steep as before."),
     Preset("poor-code", "Code noise 1 m", {"code": 1, "carrier": 1},
-           "Poor code and good carrier: the fall becomes a cliff, and the search without decorrelation walks along its edge."),
+           "Poor code and good carrier: the fall becomes a cliff, and without decorrelation most searches are stopped at half a million nodes."),
 )  # fmt: skip
 
 
@@ -169,13 +170,13 @@ def describe(result):
 
 
 def readouts(result):
-    """Return nodes, time and the chance of rounding one after the other, as searched and without decorrelation; and ADOP."""
+    """Return nodes, time and the success rate of bootstrapping, as searched and without decorrelation; and ADOP."""
     before, used = result.before, result.after or result.before
     without = result.after is not None
     return [
         Readout("Nodes", _thousands(np.median(used.nodes)), "", _beside(without, _thousands(np.median(before.nodes)), before.stopped)),
         Readout("Time", *_readable(used.seconds), f"a search, here and now{_without(without, ' '.join(_readable(before.seconds)))}"),
-        Readout("One after the other", f"{100 * used.chance:.1f}", "%", f"right when rounded{_without(without, f'{100 * before.chance:.1f} %')}"),
+        Readout("Bootstrapping", f"{100 * used.chance:.1f}", "%", f"success rate{_without(without, f'{100 * before.chance:.1f} %')}"),
         Readout("ADOP", f"{result.adop:.3f}", "cycles", f"of {result.n} ambiguities, before and after"),
     ]
 
@@ -190,12 +191,12 @@ def _beside(is_shown, median, stopped):
 
 
 def _thousands(count):
-    """Return a count with thin gaps.
+    r"""Return a count with thin gaps that no line breaks at.
 
     >>> _thousands(1234567.0)
-    '1 234 567'
+    '1\u202f234\u202f567'
     """
-    return f"{count:,.0f}".replace(",", " ")
+    return f"{count:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
 def _readable(seconds):

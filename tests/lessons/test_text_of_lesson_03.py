@@ -135,7 +135,7 @@ def test_table_of_published_numbers_is_the_librarys():
     published = case["published"]
     theirs = [", ".join(map(str, published[name])) for name in ("fixed_best", "fixed_second")]
     theirs += [", ".join(f"{norm:.4f}" for norm in published["sqnorm"]), *(f"{example['percent']} %" for example in reference["success_rate"])]
-    rows = table_after("what the verbs of this lesson give:")
+    rows = table_after("what the functions of this lesson give:")
     assert [row[2] for row in rows] == theirs
     assert [row[3] for row in rows] == ours
     assert [f"{value:.3f}" for value in case["a_float"]] == numbers(rows[0][1])

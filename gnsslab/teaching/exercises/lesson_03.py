@@ -16,8 +16,8 @@ QUESTIONS = (
     Question(
         name="half-a-metre-in-cycles",
         text=(
-            "The float position is half a metre too far towards a satellite. By how many cycles is the carrier of that satellite then "
-            "misjudged on L1, with a wavelength of 19.03 cm?"
+            "The float position is half a metre too close to a satellite. By how many cycles does that put the float ambiguity of this satellite "
+            "wrong on L1, with a wavelength of 19.03 cm?"
         ),
         answer=2.627,
         tolerance=0.01,
@@ -27,8 +27,8 @@ QUESTIONS = (
             "Half a metre over the length of one wave, both in the same unit.",
         ),
         solution=(
-            r"$0.5\ \text{m} / 0.1903\ \text{m} = 2.627$ cycles. To the nearest integer from the truth you may be off by half a cycle only, that is "
-            "10 cm. So the float position alone does not tell the integer of a single satellite."
+            r"$0.5\ \text{m} / 0.1903\ \text{m} = 2.627$ cycles. Rounding gives the right integer as long as you are off by less than half a cycle, "
+            "that is 10 cm. So the float position alone does not tell the integer of a single satellite."
         ),
         mistakes=(
             UsualMistake(0.09515, "You multiplied by the wavelength. The number of waves is the distance over the length of one."),
@@ -52,7 +52,7 @@ QUESTIONS = (
         ),
         solution=(
             r"From $-15$ to $15$ there are 31 integers, and $31^7 = 27\,512\,614\,111$, so 27.51 thousand millions. At a hundred million a second "
-            "that is five minutes for one epoch, and the next one is a second away. The search of this lesson visits some thirty nodes."
+            "that is nearly five minutes for one epoch, and the next one is a second away. The search of this lesson visits some thirty nodes."
         ),
         mistakes=(
             UsualMistake(21.87, "You counted 30 integers a side. The one in the middle belongs to it as well."),
