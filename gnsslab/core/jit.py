@@ -8,6 +8,7 @@ GNSSLAB_NO_NUMBA=1 in the environment switches the compiler off.
 """
 
 import hashlib
+import math
 import os
 from functools import cache
 from pathlib import Path
@@ -59,6 +60,11 @@ def _cache_folder():
 if COMPILED:
 
     @kernel
+    def nearest(x):
+        """Return the integer nearest to x, as a float; a tie goes up."""
+        return np.floor(x + 0.5)  # one instruction, where math.floor goes by way of int64
+
+    @kernel
     def vector(n):
         """Allocate n zeros."""
         return np.zeros(n)
@@ -99,6 +105,10 @@ if COMPILED:
         return array
 
 else:
+
+    def nearest(x):
+        """Return the integer nearest to x, as a float; a tie goes up."""
+        return float(math.floor(x + 0.5))
 
     def vector(n):
         """Allocate n zeros."""

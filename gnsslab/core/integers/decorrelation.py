@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gnsslab.core.covariance import ASYMMETRY, is_symmetric
-from gnsslab.core.jit import kernel, kernel_input, matrix
+from gnsslab.core.jit import kernel, kernel_input, matrix, nearest
 
 GOOD, NOT_FINITE, NOT_SYMMETRIC, NOT_POSITIVE, TOO_LARGE = range(5)
 
@@ -286,7 +286,7 @@ def reduce(M, W, d, longest):
     n = len(d)
     j = n - 2
     while j >= 0:
-        mu = math.floor(M[j][j + 1] + 0.5)
+        mu = nearest(M[j][j + 1])
         u = M[j][j + 1] - mu
         later = d[j] + u * u * d[j + 1]
         if later >= _GAIN * d[j + 1]:
@@ -320,7 +320,7 @@ def shorten(M, W, j, longest):
     """Take the nearest integer off U_ji for all i > j where |U_ji| > longest."""
     for i in range(j + 1, len(W)):
         if abs(M[j][i]) > longest:
-            gauss(M, W, j, i, math.floor(M[j][i] + 0.5))
+            gauss(M, W, j, i, nearest(M[j][i]))
 
 
 @kernel

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, checked_stack, factor, raise_status, reduce
-from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, real_result, whole_result
+from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, nearest, real_result, whole_result
 
 MOST_BEST = 10_000  # candidates are kept in order by insertion: as many take seconds
 NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
@@ -155,7 +155,7 @@ def fix_groups(a, Q, n_best, node_limit):
                 S[k][n] = M[k][n + v]
             nodes[row][0] = search_in_place(M, S, d, z, c, e, step, above, stale, candidates, row * n_best, norms, row, node_limit)
             for b in range(row * n_best, row * n_best + n_best):
-                restore(candidates, b, a[group], v, W, z)
+                restore(candidates, b, a[group], v, W, z, c)
     return candidates, norms, nodes, GOOD, groups
 
 
@@ -170,20 +170,23 @@ def split(a, M):
         for k in range(n):
             if not abs(a_v[k]) < NO_FRACTION:
                 return HAS_NO_FRACTION if abs(a_v[k]) < math.inf else NOT_A_FLOAT
-            M[k][n + v] = a_v[k] - math.floor(a_v[k] + 0.5)
+            M[k][n + v] = a_v[k] - nearest(a_v[k])
     return GOOD
 
 
 @kernel
-def restore(candidates, b, a, v, W, z):
-    """Replace candidate b, a vector z, by W' z plus the integer part of a_v; the argument z is scratch."""
+def restore(candidates, b, a, v, W, z, sums):
+    """Replace candidate b, a vector z, by W' z plus the integer part of a_v; the arguments z and sums are scratch."""
     candidate, a_v, n = candidates[b], a[v], len(W)
     for k in range(n):
         z[k] = candidate[k]
-        candidate[k] = math.floor(a_v[k] + 0.5)
+        sums[k] = nearest(a_v[k])
     for i in range(n):
+        z_i, W_i = z[i], W[i]
         for k in range(n):
-            candidate[k] += z[i] * W[i][k]
+            sums[k] += z_i * W_i[k]
+    for k in range(n):
+        candidate[k] = int(sums[k])
 
 
 @kernel
@@ -230,7 +233,7 @@ def search_in_place(U, S, d, z, c, e, step, above, stale, candidates, first, all
                 stale[k - 1] = oldest
             stale[k] = k + 1
             c[k] = S[k][k + 1]
-            z[k] = math.floor(c[k] + 0.5)
+            z[k] = nearest(c[k])
             step[k] = 1.0 if c[k] > z[k] else -1.0
         else:
             z[k] += step[k]

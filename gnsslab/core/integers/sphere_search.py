@@ -12,7 +12,7 @@ import math
 
 from gnsslab.core.integers.decorrelation import GOOD, factor, reduce
 from gnsslab.core.integers.search import insert, restore, split
-from gnsslab.core.jit import cube, integer_matrix, kernel, matrix
+from gnsslab.core.jit import cube, integer_matrix, kernel, matrix, nearest
 from gnsslab.core.sphere import principal_axes, sphere_kernel
 
 NOT_JOINTLY_POSITIVE = -10  # beside the statuses of decorrelation and of `split`
@@ -55,7 +55,7 @@ def fix_groups_on_sphere(a, Q_a, b, Q_b, Q_ba, length, bounds, n_best, node_limi
             for i in range(first, first + found):
                 land(M, n + v, G, spread, axes, levels, path, length, candidates[i], baselines[i])
             for i in range(first, first + n_best):
-                restore(candidates, i, a[group], v, W, levels[0])
+                restore(candidates, i, a[group], v, W, levels[0], levels[1])
     return candidates, norms, nodes, baselines, GOOD, groups
 
 
@@ -128,7 +128,7 @@ def search_on_sphere(M, column, d, G, spread, axes, levels, path, length, bound,
             k -= 1
             above[k] = norm
             c[k] = float_value(M, column, e, k)
-            z[k] = math.floor(c[k] + 0.5)
+            z[k] = nearest(c[k])
             step[k] = 1.0 if c[k] > z[k] else -1.0
         else:
             z[k] += step[k]
