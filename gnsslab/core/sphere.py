@@ -48,7 +48,7 @@ def nearest_on_sphere(c, Q, length):
     c, Q = np.asarray(c, dtype=np.float64), np.asarray(Q, dtype=np.float64)
     _check(c, Q, length)
     q, V = np.linalg.eigh(Q)
-    if not q[0] > 0:
+    if not q[0] > len(q) * np.finfo(float).eps * q[-1]:  # rounding leaves this much of an eigenvalue that is zero
         raise ValueError("Q is not positive definite, as a covariance must be")
     b, cost = np.empty_like(c), np.empty(c.shape[:-1])
     for index in np.ndindex(cost.shape):

@@ -125,6 +125,7 @@ def test_principal_axes_rebuild_the_matrix(p, seed, decades):
     [
         ([1.0, 0.0], np.eye(3), 1.0, "c must be"),
         ([1.0, 0.0], np.diag([1.0, 0.0]), 1.0, "not positive definite"),
+        ([1.0, 0.0, 0.0], np.outer([1.0, 0.3, 0.7], [1.0, 0.3, 0.7]) + np.diag([0.0, 1.0, 0.0]), 1.0, "not positive definite"),
         ([1.0, np.nan], np.eye(2), 1.0, "NaN"),
         ([1.0, 0.0], [[1.0, 0.5], [0.4, 1.0]], 1.0, "Q is not symmetric"),
         ([1.0, 0.0], np.eye(2), 0.0, "positive number of metres; it is 0"),
