@@ -1,8 +1,15 @@
 """Integer ambiguities: decorrelation, integer least squares, and how far to trust them.
 
-For a caller: `integer_least_squares`, `integer_bootstrapping`, `integer_rounding`; `decorrelate`, `ltdl`; `success_rate`,
-`success_bounds`, `simulate_success`, `adop`. For another kernel: `fix_groups`,
-`decorrelate_kernel`, whose status must be GOOD, and `search_kernel`.
+Which file answers what:
+
+* decorrelation, rounding, search: find the integers (`decorrelate`, `ltdl`, `integer_rounding`, `integer_bootstrapping`, `integer_least_squares`);
+* constrained, orthonormal: find them where a length, or a whole rigid body, is known;
+* success, simulation, pull_in: how often they will be right (`success_rate`, `success_bounds`, `adop`, `simulate_success`);
+* acceptance, aperture: whether to trust the fix at hand (`ratio_test`, `failure_rate_threshold`, `aperture_bootstrapping`);
+* partial, equivariant: between all integers and none (`fix_most_certain`, `fix_subset`, `best_integer_equivariant`);
+* tree: the search written down, for looking at.
+
+For another kernel: `fix_groups`, `decorrelate_kernel`, whose status must be GOOD, and `search_kernel`.
 """
 
 from gnsslab.core.integers.acceptance import RatioThreshold, difference_test, failure_rate_threshold, projector_test, ratio_test, threshold_of_fixes
