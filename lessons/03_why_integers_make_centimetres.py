@@ -268,7 +268,7 @@ def _(lesson, prediction):
 
     1. Choose the **Cells of** *rounding*, then *bootstrapping*, then *least squares*. Squares, slanted boxes, hexagons along the needle. All have the same
        area, 1. Look in which tile the cross lies.
-    2. Press **A thousand draws**: the float points of a thousand other epochs. Change the cells again: rounding is right for 28 % of them,
+    2. Press **A thousand draws**: where the float point lies in a thousand other draws of the noise. Change the cells again: rounding is right for 28 % of them,
        bootstrapping for 39 %, least squares for 64 %.
     3. Press **Decorrelated**. The same experiment, in other integers. The needle is nearly a circle, the cells are about as long as wide, and the three
        ways agree. (The sliders still move the two ambiguities that you began with, so now the cross moves aslant.)
@@ -304,7 +304,7 @@ def _(mo):
     In words: blow up the ellipse about the float point until it touches a vector of integers. What is minimised is the *squared norm* of the
     second lab. No other way is right more often (Teunissen, 1999).
 
-    How often is that? Bootstrapping is right if each of its steps is, and the chance of a step is that of a normal error within half a cycle:
+    How often is an answer right? Bootstrapping is right if each of its steps is, and the chance of a step is that of a normal error within half a cycle:
 
     $$P_s = \prod_{i=1}^{n} \left( 2\,\Phi\!\left(\frac{1}{2\sqrt{d_i}}\right) - 1 \right)$$
 
@@ -320,7 +320,7 @@ def _(mo):
     mo.md(r"""
     ### Decorrelation
 
-    The second lab did this at its start. Instead of $a_1$ and $a_2$ you may look for $z_1 = -2 a_1 + 3 a_2$ and $z_2 = a_1 - a_2$. Whole numbers in, whole numbers out. And back:
+    This is what **Decorrelated** did in the second lab. Instead of $a_1$ and $a_2$ you may look for $z_1 = -2 a_1 + 3 a_2$ and $z_2 = a_1 - a_2$. Whole numbers in, whole numbers out. And back:
     $a_1 = z_1 + 3 z_2$, $a_2 = z_1 + 2 z_2$. Nothing is lost. In general:
 
     $$z = Z^{\mathsf T} a, \qquad \hat z = Z^{\mathsf T} \hat a, \qquad \det Z = \pm 1$$
@@ -438,8 +438,8 @@ def _(mo):
 
     The baseline has three coordinates. Before any ambiguity is fixed, only the codes know the position. So the first ambiguity is as uncertain as the codes are:
     several cycles. Fix it, and one direction is known to millimetres. After three, the position is known to millimetres, and every other ambiguity
-    follows from it, up to the noise of its carrier: a few hundredths of a cycle. (With a second frequency the first ambiguity of it is a
-    little larger again: it brings a new reading of the reference satellite.)
+    follows from it, up to the noise of its carrier: a few hundredths of a cycle, one or two tenths where the satellite stands low. (With a second
+    frequency its first ones are some times larger again: they bring a new reading of the reference satellite, and those fixed first stand lowest.)
 
     The product of all $d_i$ is the determinant of $Q_a$, which no $Z$ can change. Three large ones and many small ones have the same product as many medium ones. The
     geometric mean of the sigmas has a name, *ambiguity dilution of precision*:
@@ -701,7 +701,7 @@ def _(mo):
 
     * **Fixing too early.** A wrong fix is worse than none: it claims millimetres and is off by decimetres or metres. Lesson 04 is about when to believe.
     * **Sigmas that are guessed.** The integers hang on the ratio of code to carrier noise, and the promise hangs on both. The table above shows what one wrong sigma does.
-    * **A bias.** An error that does not average out, as that of a reflected signal or of half a cycle, moves the whole needle. No success rate knows of it.
+    * **A bias.** An error that does not average out, from a reflected signal or a receiver that is half a cycle off, moves the whole needle. No success rate knows of it.
     * **A slip.** An ambiguity that changes between two epochs must not go into one mean.
     * **Mixing systems.** Between satellites of GPS and GLONASS, or of GLONASS alone with receivers of two makers, the double-difference ambiguity may be no integer at all.
     * **A long baseline.** Beyond ten or twenty kilometres the ionosphere no longer cancels, and the float point is off by more than its needle says.

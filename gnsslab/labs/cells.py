@@ -20,7 +20,6 @@ from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.labs.skies import open_sky
 
 MM = 1e-3
-PERCENT = "\N{NO-BREAK SPACE}%"
 DRAWS = 1000  # a counted share is good to 1.6 %
 MOST_NODES = 80  # that the picture has room for
 KEPT = 8
@@ -330,8 +329,13 @@ def readouts(result):
 def _word_on(answer, space):
     sigma = np.sqrt(answer.promised * (1 - answer.promised) / DRAWS)
     as_a = f", a = {vector(space.back @ answer.integers)}" if space.letter == "z" and not answer.is_right else ""
-    rate = f"success rate {100 * answer.promised:.1f}{PERCENT}, counted {100 * answer.counted:.1f} \N{PLUS-MINUS SIGN} {100 * sigma:.1f}{PERCENT}"
+    counted = f"{100 * answer.counted:.1f} \N{PLUS-MINUS SIGN} {100 * sigma:.1f} %"
+    rate = f"success rate {_unbroken(f'{100 * answer.promised:.1f} %')}, counted {_unbroken(counted)}"
     return f"{_word(answer)} here{as_a}; {rate}"
+
+
+def _unbroken(words):
+    return words.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def table(result):

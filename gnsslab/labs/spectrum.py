@@ -19,6 +19,7 @@ from gnsslab.labs.skies import open_sky
 from gnsslab.simulate.receivers import white_factor
 
 MM = 1e-3
+GAP = "\N{NO-BREAK SPACE}"  # between a value and its unit
 SEARCHES = 10  # epochs searched at each setting
 NODE_LIMIT = 500_000  # of one search: ten that hit it take a tenth of a second compiled, four seconds uncompiled
 N_BEST = 2  # candidates, as for a ratio
@@ -175,7 +176,7 @@ def readouts(result):
     without = result.after is not None
     return [
         Readout("Nodes", _thousands(np.median(used.nodes)), "", _beside(without, _thousands(np.median(before.nodes)), before.stopped)),
-        Readout("Time", *_readable(used.seconds), f"a search, here and now{_without(without, ' '.join(_readable(before.seconds)))}"),
+        Readout("Time", *_readable(used.seconds), f"a search, here and now{_without(without, GAP.join(_readable(before.seconds)))}"),
         Readout("Bootstrapping", f"{100 * used.chance:.1f}", "%", f"success rate{_without(without, f'{100 * before.chance:.1f} %')}"),
         Readout("ADOP", f"{result.adop:.3f}", "cycles", f"of {result.n} ambiguities, before and after"),
     ]

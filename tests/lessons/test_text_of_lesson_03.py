@@ -151,4 +151,4 @@ def test_words_about_the_spectrum_are_the_labs():
     np.testing.assert_allclose(many / start, 0.5, rtol=1e-6)  # "everything goes down alike"
     thirty = lab.run(**lab.preset("thirty").settings)
     assert thirty.before.stopped > len(thirty.before.nodes) / 2  # "most searches do not end"
-    assert thirty.before.sigma[10] > 2 * thirty.before.sigma[9]  # the second frequency's first: "a little larger again"
+    assert thirty.before.sigma[10] > 2 * thirty.before.sigma[9]  # the second frequency's first: "some times larger again"
