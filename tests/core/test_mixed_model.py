@@ -11,10 +11,12 @@ cases = st.tuples(st.integers(1, 6), st.integers(1, 4), st.integers(0, 2**32 - 1
 
 
 def model(n, p, seed):
+    """Return a random model, its condition number below a thousand, so that two ways to solve it agree to ten digits."""
     rng = np.random.default_rng(seed)
     k = n + p + 3
-    A, B, root = rng.standard_normal((k, n)), rng.standard_normal((k, p)), rng.standard_normal((k, k)) + 3 * np.eye(k)
-    return A, B, root @ root.T, rng
+    M, axes = (np.linalg.qr(rng.standard_normal((k, columns)))[0] for columns in (n + p, k))
+    Q_y = axes @ np.diag(10.0 ** rng.uniform(-1, 1, k)) @ axes.T
+    return M[:, :n], M[:, n:], (Q_y + Q_y.T) / 2, rng
 
 
 @settings(max_examples=60, deadline=None)

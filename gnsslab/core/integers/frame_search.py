@@ -7,9 +7,9 @@ and the lower bound of `nearest_frame` reach the bound together.
 
 import math
 
-from gnsslab.core.integers.search import insert
+from gnsslab.core.integers.search import choose_integer, insert
 from gnsslab.core.integers.sphere_search import float_value
-from gnsslab.core.jit import integer_matrix, kernel, matrix, nearest, vector
+from gnsslab.core.jit import integer_matrix, kernel, matrix, vector
 from gnsslab.core.nearest_frame import frame_bound, nearest_frame
 
 
@@ -35,11 +35,7 @@ def search_frames(M, d, G, weights, q_max, u_hat, starts, bound, n_best, node_li
             k -= 1
             above[k] = norm
             c[k] = float_value(M, n, e, k)
-            z[k] = nearest(c[k])
-            step[k] = 1.0 if c[k] > z[k] else -1.0
-        else:
-            z[k] += step[k]
-            step[k] = -step[k] - math.copysign(1.0, step[k])
+        choose_integer(z, c, step, k, down)
         e[k] = z[k] - c[k]
         norm = above[k] + e[k] * e[k] / d[k]
         down = False

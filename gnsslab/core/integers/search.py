@@ -233,11 +233,7 @@ def search_in_place(U, S, d, z, c, e, step, above, stale, candidates, first, all
                 stale[k - 1] = oldest
             stale[k] = k + 1
             c[k] = S[k][k + 1]
-            z[k] = nearest(c[k])
-            step[k] = 1.0 if c[k] > z[k] else -1.0
-        else:
-            z[k] += step[k]
-            step[k] = -step[k] - math.copysign(1.0, step[k])
+        choose_integer(z, c, step, k, down)
         e[k] = z[k] - c[k]
         norm = above[k] + e[k] * e[k] / d[k]
         down = norm < norms[last]
@@ -249,6 +245,17 @@ def search_in_place(U, S, d, z, c, e, step, above, stale, candidates, first, all
             if k == n:
                 break
     return nodes
+
+
+@kernel
+def choose_integer(z, c, step, k, is_first):
+    """Choose z_k: first the integer nearest to c_k, then the others in the order of their distance, one side after the other."""
+    if is_first:
+        z[k] = nearest(c[k])
+        step[k] = 1.0 if c[k] > z[k] else -1.0
+    else:
+        z[k] += step[k]
+        step[k] = -step[k] - math.copysign(1.0, step[k])
 
 
 @kernel

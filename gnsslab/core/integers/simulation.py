@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gnsslab.core.integers.decorrelation import checked_covariance, decorrelate, ltdl
-from gnsslab.core.integers.search import checked_count, integer_least_squares
-from gnsslab.core.jit import kernel, kernel_input, matrix, nearest
+from gnsslab.core.integers.search import checked_count, choose_integer, integer_least_squares
+from gnsslab.core.jit import kernel, kernel_input, matrix
 
 _CHUNKS = 100  # as many child generators: a bar that moves by one per cent
 _SMALLEST, _LARGEST = 5_000, 100_000  # samples of a chunk: worth sending away (2 ms of work); not too long to wait for
@@ -234,11 +234,7 @@ def find_nearer(x, U, sigma, levels, node_limit):
             c[k] = sigma[k] * x[k]
             for i in range(k + 1, n):
                 c[k] += U[k][i] * g[i]
-            z[k] = nearest(c[k])
-            step[k] = 1.0 if c[k] > z[k] else -1.0
-        else:
-            z[k] += step[k]
-            step[k] = -step[k] - math.copysign(1.0, step[k])
+        choose_integer(z, c, step, k, down)
         e = z[k] - c[k]
         g[k] = e + sigma[k] * x[k]
         norm = above[k] + (e / sigma[k]) ** 2

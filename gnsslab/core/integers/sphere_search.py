@@ -11,8 +11,8 @@ and one row G_i (p,) more for each integer:
 import math
 
 from gnsslab.core.integers.decorrelation import GOOD, factor, reduce
-from gnsslab.core.integers.search import insert, restore, split
-from gnsslab.core.jit import cube, integer_matrix, kernel, matrix, nearest
+from gnsslab.core.integers.search import choose_integer, insert, restore, split
+from gnsslab.core.jit import cube, integer_matrix, kernel, matrix
 from gnsslab.core.sphere import principal_axes, sphere_kernel
 
 NOT_JOINTLY_POSITIVE = -10  # beside the statuses of decorrelation and of `split`
@@ -128,11 +128,7 @@ def search_on_sphere(M, column, d, G, spread, axes, levels, path, length, bound,
             k -= 1
             above[k] = norm
             c[k] = float_value(M, column, e, k)
-            z[k] = nearest(c[k])
-            step[k] = 1.0 if c[k] > z[k] else -1.0
-        else:
-            z[k] += step[k]
-            step[k] = -step[k] - math.copysign(1.0, step[k])
+        choose_integer(z, c, step, k, down)
         e[k] = z[k] - c[k]
         norm = above[k] + e[k] * e[k] / d[k]
         down = False
