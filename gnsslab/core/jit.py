@@ -10,7 +10,7 @@ GNSSLAB_NO_NUMBA=1 in the environment switches the compiler off.
 import hashlib
 import math
 import os
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 try:
@@ -25,12 +25,14 @@ import numpy as np
 COMPILED = numba is not None
 
 
-def kernel(function):
+def kernel(function, signature=None):
     """Compile a function of scalars and arrays on its first call, and keep the result on disk for the next process.
 
     Division follows IEEE (no exception), sums keep their order: the answers are those of the uncompiled source.
     The compiled code is kept in a folder of the user's cache (of NUMBA_CACHE_DIR where that is set) named after the text of
-    all kernels; where no folder can be written it is compiled in each process anew.
+    all kernels; where no folder can be written it is compiled in each process anew. With a signature it is compiled at once,
+    and only once: Numba makes a version of its own for each number that stands in a call, and two processes that do so
+    at the same time may write them over each other.
     """
     if not COMPILED:
         return function
@@ -38,9 +40,9 @@ def kernel(function):
     options["nogil"] = True  # other threads of the process run meanwhile: a class, or a simulation on all cores
     usual, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _cache_folder()
     try:
-        return numba.njit(cache=True, **options)(function)
+        return numba.njit(signature, cache=True, **options)(function)
     except RuntimeError:  # "no locator available": no folder for the cache
-        return numba.njit(**options)(function)
+        return numba.njit(signature, **options)(function)
     finally:
         numba.config.CACHE_DIR = usual
 
@@ -64,22 +66,22 @@ if COMPILED:
         """Return the integer nearest to x, as a float; a tie goes up."""
         return np.floor(x + 0.5)  # one instruction, where math.floor goes by way of int64
 
-    @kernel
+    @partial(kernel, signature="float64[::1](int64)")
     def vector(n):
         """Allocate n zeros."""
         return np.zeros(n)
 
-    @kernel
+    @partial(kernel, signature="float64[:, ::1](int64, int64)")
     def matrix(rows, columns):
         """Allocate rows x columns zeros, indexed as A[i][j]."""
         return np.zeros((rows, columns))
 
-    @kernel
+    @partial(kernel, signature="float64[:, :, ::1](int64, int64, int64)")
     def cube(layers, rows, columns):
         """Allocate layers x rows x columns zeros, indexed as A[i][j][k]."""
         return np.zeros((layers, rows, columns))
 
-    @kernel
+    @partial(kernel, signature="int64[:, ::1](int64, int64)")
     def integer_matrix(rows, columns):
         """Allocate rows x columns integer zeros, indexed as A[i][j]."""
         return np.zeros((rows, columns), dtype=np.int64)
