@@ -302,7 +302,7 @@ def drawings():
     from gnsslab.figures.cells import build_plane
     from gnsslab.figures.search_tree import build_tree
 
-    return Drawing("plane", build_plane, 410, 480), Drawing("tree", build_tree, 400, 480)
+    return Drawing("plane", build_plane, 410, 480), Drawing("tree", build_tree, 400, 480, presented=True)
 
 
 def describe(result):

@@ -319,7 +319,7 @@ def drawings():
     """Return the two pictures of the lab."""
     from gnsslab.figures.known_length import build_map, build_shares
 
-    return Drawing("map", build_map, 440, 480), Drawing("shares", build_shares, 380, 480)
+    return Drawing("map", build_map, 440, 480), Drawing("shares", build_shares, 380, 480, presented=True)
 
 
 def describe(result):

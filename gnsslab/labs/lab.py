@@ -37,6 +37,7 @@ class Drawing:
     build: Callable
     width: int  # [CSS px]
     height: int  # [CSS px]
+    presented: bool = False  # in front of a class the first is shown, and beside it those without which it is no use
 
 
 @dataclass(frozen=True)

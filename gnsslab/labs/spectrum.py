@@ -160,7 +160,7 @@ def drawings():
     """Return the two pictures of the lab."""
     from gnsslab.figures.spectrum import build_nodes, build_spectrum
 
-    return Drawing("spectrum", build_spectrum, 460, 400), Drawing("nodes", build_nodes, 350, 360)
+    return Drawing("spectrum", build_spectrum, 460, 400), Drawing("nodes", build_nodes, 350, 360, presented=True)
 
 
 def describe(result):

@@ -40,7 +40,8 @@ def pictures(desk, result):
     drawn = desk.pictures(result)
     words = [desk.lab.describe(result)] + [""] * len(drawn)
     images = [
-        f'<img src="{data_url(png)}" alt="{escape(alt)}" width="{d.width}" height="{d.height}" style="--gl-ratio:{d.width / d.height:.3f}">'
+        f'<img src="{data_url(png)}" alt="{escape(alt)}" width="{d.width}" height="{d.height}" '
+        f'class="{"gl-beside" if d.presented else ""}" style="--gl-ratio:{d.width / d.height:.3f}">'
         for (d, png), alt in zip(drawn, words, strict=False)
     ]
     return f'<div class="gl-pictures">{"".join(images)}</div>'
