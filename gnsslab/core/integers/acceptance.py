@@ -134,6 +134,7 @@ def threshold_of_fixes(ratio, is_right, failure_rate):
     if ratio.ndim != 1 or ratio.shape != is_right.shape or not np.all(ratio >= 1):
         shapes = f"{ratio.shape} and {is_right.shape}"
         raise ValueError(f"ratio (N,) must hold second / best, 1 or more, of each fix in is_right (N,); they have shapes {shapes}.")
+    ratio = np.where(np.isinf(ratio), 0.0, ratio)  # a search cut short proves nothing: never accepted, as in `ratio_test`
     samples = len(ratio)
     check_countable(failure_rate, samples)
     wrong = np.sort(ratio[~is_right])[::-1]
@@ -153,7 +154,7 @@ def threshold_of_fixes(ratio, is_right, failure_rate):
 def _above_all_but(wrong, count):
     """Return the smallest threshold that `count` of the wrong ratios (descending) reach, 1 where there are no more."""
     count = math.floor(count)
-    return 1.0 if count >= len(wrong) else float(np.nextafter(wrong[count], math.inf))
+    return 1.0 if count >= len(wrong) else max(float(np.nextafter(wrong[count], math.inf)), 1.0)
 
 
 def _two_norms(norms):

@@ -292,3 +292,11 @@ BAD_CALLS = [
 def test_bad_calls_are_explained(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_searches_cut_short_are_never_accepted():
+    """An infinite ratio says that no second best was found, not that there is none."""
+    found = threshold_of_fixes([np.inf, np.inf, 1.2, 5.0, 6.0], [False, True, False, True, True], 0.2)
+    assert found.ratio == 1.0
+    assert found.fix_rate == 0.6
+    assert found.failure_rate == 0.2
