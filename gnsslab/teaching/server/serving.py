@@ -38,7 +38,7 @@ def course_server(app):
 
 
 def warm_up():
-    """Load engine and figures and compile the kernels, so that the first student need not wait (20 s right after installing)."""
+    """Load engine and figures and compile the kernels, so that the first student need not wait (a minute right after installing)."""
     from gnsslab.figures.kept import KeptPicture
 
     for lesson in LESSONS:
