@@ -98,14 +98,6 @@ if COMPILED:
         """Prepare an array of indices for a kernel: int64, C-contiguous, writeable."""
         return np.require(array, np.int64, "CW")
 
-    def real_result(array):
-        """Return what a kernel has allocated by `vector`, `matrix` or `cube` as an array of float64."""
-        return array
-
-    def whole_result(array):
-        """Return what a kernel has allocated by `integer_matrix` as an array of int64."""
-        return array
-
 else:
 
     def nearest(x):
@@ -135,11 +127,3 @@ else:
     def kernel_indices(array):
         """Prepare an array of indices for a kernel: nested lists of Python integers."""
         return np.asarray(array, dtype=np.int64).tolist()
-
-    def real_result(lists):
-        """Return what a kernel has allocated by `vector`, `matrix` or `cube` as an array of float64."""
-        return np.asarray(lists, dtype=np.float64)
-
-    def whole_result(lists):
-        """Return what a kernel has allocated by `integer_matrix` as an array of int64."""
-        return np.asarray(lists, dtype=np.int64)

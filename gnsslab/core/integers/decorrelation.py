@@ -160,12 +160,13 @@ def checked_covariance(Q):
 
 def checked_stack(a_hat, Q):
     """Return the shape of the stack that the arrays a_hat (..., n) and Q (n, n) or (..., n, n) make, or say how they do not fit."""
-    if a_hat.shape[-1:] != Q.shape[-1:]:
-        raise ValueError(f"a_hat must have one value for each row of Q, {Q.shape[-1]}, in its last axis; it has shape {a_hat.shape}.")
+    shape, n = a_hat.shape, Q.shape[-1]
+    if not shape or shape[-1] != n:
+        raise ValueError(f"a_hat must have one value for each row of Q, {n}, in its last axis; it has shape {shape}.")
     if Q.ndim == 2:
-        return a_hat.shape[:-1]
+        return shape[:-1]
     try:
-        return np.broadcast_shapes(a_hat.shape[:-1], Q.shape[:-2])
+        return np.broadcast_shapes(shape[:-1], Q.shape[:-2])
     except ValueError:
         raise ValueError(f"The stacks of a_hat {a_hat.shape} and Q {Q.shape} do not fit: one Q, or one for each a_hat.") from None
 

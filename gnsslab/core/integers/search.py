@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gnsslab.core.integers.decorrelation import GOOD, checked_covariance, checked_stack, factor, raise_status, reduce
-from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, nearest, real_result, whole_result
+from gnsslab.core.jit import COMPILED, integer_matrix, kernel, kernel_input, matrix, nearest
 
 MOST_BEST = 10_000  # candidates are kept in order by insertion: as many take seconds
 NODE_LIMIT = 10_000_000  # about a tenth of a second of compiled search; a solvable problem takes n to some thousand
@@ -110,7 +110,8 @@ def _grouped(a_hat, Q):
 
 
 def _as_record(candidates, norms, nodes, shape, node_limit):
-    candidates, norms, nodes = whole_result(candidates), real_result(norms), whole_result(nodes)
+    if not COMPILED:
+        candidates, norms, nodes = np.asarray(candidates, dtype=np.int64), np.asarray(norms), np.asarray(nodes, dtype=np.int64)
     stack, n_best, n = shape
     if not stack:
         return IntegerSolution(candidates, norms[0], nodes[0, 0], node_limit)
