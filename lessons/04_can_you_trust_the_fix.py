@@ -34,6 +34,8 @@ def _(mo):
 
     Nothing was broken. The receivers were good, the sky was open, the test was the one that nearly every program uses. This lesson is about the question that
     the software did not ask: how often is such a fix right? You can know that before you measure anything.
+
+    It is a long lesson, best in two sittings. The first ends before *Not all, not none*.
     """)
     return
 
@@ -69,8 +71,11 @@ def _(lesson, prediction):
 
     Ten thousand epochs are drawn from a model: satellites, frequencies, noise. Each is fixed to the nearest whole numbers, and here you know which are the true ones.
 
-    The first picture has the ratios of all epochs: dark blue is fixed and right, orange hatched is **fixed and wrong**, the light colours were rejected by the test. The bars below it compare your test with
-    none, with a ratio of 3, with the rule of our own engine (the more ambiguities, the less is asked: $1 + 16/n$), and with a fixed failure rate. The second picture shows what was *promised* before any epoch was drawn, and above it what was *counted*.
+    **The first picture** has the ratios of all epochs, the second best squared distance over the best. Dark blue is fixed and right, orange hatched is **fixed and wrong**, the light colours were rejected by the test.
+    The axis is logarithmic, so that you can see one wrong fix in ten thousand. The bars below compare your test, on top, with four others: no test; a ratio of 3; the rule of our own engine, $1 + 16/n$, which asks for less
+    where there are more ambiguities ($n$ of them); and a fixed failure rate, which step 2 explains.
+
+    **The second picture** has on top what was *counted*, and below what was *promised* before any epoch was drawn: two estimates, and three pairs of a lower and an upper bound (green).
     """)
     return
 
@@ -133,13 +138,15 @@ def _(lesson, prediction):
 
     Try these, one at a time:
 
-    1. Move **Threshold** to 1, then up. There is no value that stops only the wrong ones. You pay for each of them with right ones.
+    1. Move **Threshold** to 1, then up. There is no value that stops only wrong fixes: right ones always go with them.
     2. Set **Test** to *fixed failure rate*. You no longer choose a ratio but what you can bear: 1 % of all epochs fixed wrong. The model itself gives the ratio, 1.54, and
        twice as many epochs are fixed.
     3. Press **21 ambiguities**: 97 % are right, and a ratio of 3 rejects nearly all of them. Press **Weak model**: three of four are wrong, and of those that
        pass half are wrong. *The same 3.* A ratio means nothing until you know the model.
-    4. Press **Multipath**. One satellite's code arrives 2.5 m late, by an echo, and the model does not know. ADOP promises 99.97 %, and 44 % are wrong. Then press **Multipath, tolerated**:
-       the fixed failure rate fixes them all, as it believes the same model.
+    4. Press **Multipath**. An echo makes one satellite's code 2.5 m too long, and the model does not know. ADOP promises 99.97 %, and 44 % are wrong. Here a ratio of 3 lets hardly any epoch pass. Then press **Multipath, tolerated**:
+       the fixed failure rate fixes them all, as it believes the same model. Press **All fixes wrong**: with five satellites and another echo the ratio lets a tenth of the epochs pass, and every one of them is wrong.
+
+    The last four buttons belong to *What a test decides* and *Find the printed error*.
 
     **And your answer?** Press **Start**, and move **Satellites** to 5. Of all epochs 15.5 % pass, and 14.4 % pass and are wrong: more than nine of ten that pass. On the roof it
     was **eight of the thirteen**. Those receivers are better than this model, but five satellites are too few all the same.
@@ -169,7 +176,10 @@ def _(mo):
 
     $$\begin{aligned} \mathrm{ADOP} & = (\det Q_a)^{1/(2n)} \\ P_s & \approx \left( 2\,\Phi\!\left(\frac{1}{2\,\mathrm{ADOP}}\right) - 1 \right)^{n} \end{aligned}$$
 
-    In words: a volume is shared out evenly. It is a good guess where decorrelation has made the $d_i$ alike, and no bound at all.
+    In words: as if all ambiguities were equally uncertain. It is a good guess where decorrelation has made the $d_i$ alike. Bootstrapping is never better than that. Least squares may be better or worse, so for the fix itself it is no bound.
+
+    **Bounds.** The green bars of the second picture hold the success rate of least squares for certain. They come from the variances and the volume of the ellipsoid (*variances and ADOP*), from how far the cell reaches (*pull-in region*), or from the longest and the shortest axis of the ellipsoid (*eigenvalues*). Where
+    a bar is long, it says little.
 
     **Counting.** Draw $N$ float vectors, fix each, and count the right ones. The count has an error of its own, $\sqrt{P_s (1 - P_s) / N}$. With 10 000 epochs a rate of 90 % is good to 0.3 %.
 
@@ -181,12 +191,14 @@ def _(mo):
 
     $$R = \frac{\|\hat a - \check a_2\|^2}{\|\hat a - \check a\|^2} \ge c, \qquad \|x\|^2 = x^{\mathsf T}\, Q_a^{-1}\, x$$
 
-    In words: how many times farther away is the second best? If at least [$c$](/notation#c) times, believe the best. It is not the probability of anything. Look at the scene: the squared distances were **0.010 and 0.104**. By the noise that is assumed the true ones would have about
-    four, one for each ambiguity; by that of these receivers, which are better, about 0.6. So *both* fit better than the truth: so many vectors lie near the float ones that some come close by chance. How much more probable the best are goes with the *difference*:
+    In words: how many times farther away is the second best, in squared distance? If at least [$c$](/notation#c) times, believe the best. The ratio is not the probability of anything.
+
+    Look at the scene: the squared distances were **0.010 and 0.104**. The true whole numbers have about 4 on average, one for each ambiguity, if the noise is as large as assumed. These receivers are better, and theirs have about 0.6. So *both* fit better than the truth
+    usually does: with so many vectors near the float one, some come close by chance. How many times more probable the best is depends on the *difference*:
 
     $$\frac{P(\check a)}{P(\check a_2)} = \exp\frac{0.104 - 0.010}{2}$$
 
-    That is as good as even, at a ratio of ten. (The last but two of the questions below asks you for the number.)
+    That is nearly one: as good as even, at a ratio of ten. (Question 6 asks you for the number.)
 
     A test sorts all epochs into four: fixed and right, **fixed and wrong** (the *failure*), rejected though right, rejected and wrong. Only you know what you can bear. The **fixed failure rate test** takes
     that as given. It looks for the smallest $c$ with which no more than a share [$P_f$](/notation#P_f) of all epochs fails:
@@ -194,9 +206,9 @@ def _(mo):
     $$P(R \ge c\ \text{and}\ \check a \text{ wrong}) \le P_f, \qquad c \ge 1$$
 
     In words: draw epochs from the model, sort the ratios of the wrong ones, and cut where few enough are left. For a strong model the answer is 1: no test is needed. For a weak one it may
-    be 10. If nobody may wait for the drawing, tables have it, over $n$ and the failure rate without a test.
+    be 10. Where there is no time to draw, tables give $c$ for $n$ and the failure rate without a test.
 
-    Two more stand in the lab. The *difference test* asks for a difference of the squared distances, so for odds. The *projector test* asks how far $\hat a$ lies from $\check a$ on the way to
+    Two more tests are in the lab. The *difference test* asks for a difference of the squared distances, so for odds. The *projector test* asks how far $\hat a$ lies from $\check a$ on the way to
     $\check a_2$. None of the three is best in every model, and none can make a wrong fix right.
     """)
     return
@@ -207,13 +219,13 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     ### Not all, not none
 
-    A test that fails sends you back to float, and all whole numbers are thrown away. Why all? Two ways lie between.
+    A fix that the test rejects sends you back to float, and all whole numbers are thrown away. Why all? There are two ways in between.
 
     **Partly fixed.** After decorrelation some combinations are known to a hundredth of a cycle, others to a third. Fix the certain ones. **Best equivariant.** Do not choose at all. Take the mean
     of *all* whole-number vectors, each as heavy as it is probable.
 
-    Look at the stairs below on the left first: one ambiguity, its float value, and what becomes of it. Above them: how far the baselines of 2000 epochs are off, for five ways of treating the *same* float
-    solutions. A line farther left is better. On the right: the risk that any is wrong, if you fix more and more of them. The second picture is again one ambiguity, for all sigmas.
+    **The first picture.** Begin with the stairs at the lower left: one ambiguity, its float value, and what becomes of it. Above: how far the baselines of 2000 epochs are off, for five ways of treating the *same* float
+    solutions; a line farther left is better. At the lower right: the risk that at least one is wrong, if you fix one, two, three and more of them; what is below the dashed line may be fixed. **The second picture** is again one ambiguity, for all sigmas.
     """)
     return
 
@@ -274,14 +286,14 @@ def _(lesson, prediction):
     **What you see.** Float is a line and rounding a staircase. The best equivariant estimate is a staircase with round edges: close to an integer it rounds, half-way between two it hesitates. Move **Sigma of one ambiguity**
     from 0.05 to 0.6: steps become a ramp. It decides by itself how far to trust the integers.
 
-    1. At the start 97.7 % of the fixes are right. The rest are off by a metre, and they make the rms: 0.16 m. The best equivariant has 0.14 m. It is not free: it has fewer
-       epochs below 2 cm. It never is quite wrong, and seldom quite right.
-    2. Press **One behind trees**. One of eight satellites is read four times worse, and its ambiguities cannot be had. The ratio test looks at all fourteen at once, so it lets only 11.8 % of the epochs pass: half a metre. Fix **13 of the 14**, and it
-       is 8 mm. Always fixing gives 8 mm as well: the poor
-       satellite weighs so little that its wrong integer does no harm. The ratio cannot tell.
-    3. Press **Single ones**: ambiguities as they stand in the model, at a stricter risk. None can be fixed. Set **Partly fixed are** (under *more*) to *combinations*: 11 can. What is uncertain was the same in all of them.
-    4. Press **Better left alone**. Most fixes are wrong, and always fixing is worse than never. In the second picture that begins at 0.29 cycles: there the blue line rises above 1.
-    5. Move **Risk of the partial fix**. A smaller risk fixes fewer, and the line moves right.
+    1. At the start 97.7 % of the fixes are right. The rest are off by about a metre, and they make the rms: 0.16 m. The best equivariant has 0.14 m. It has a price: fewer
+       epochs are below 2 cm, 82 % instead of 96 %.
+    2. Press **One noisy satellite**. One of eight is four times as noisy, as behind trees. One combination with its two ambiguities stays uncertain. The ratio test looks at all fourteen at once, so it lets only 11.8 % of the epochs pass: half a metre. Fix **13 of the 14**, and it
+       is 8 mm. Always fixing gives 8 mm as well: the noisy satellite weighs so little that a wrong integer there does no harm. The ratio cannot tell.
+    3. Press **Single ones**: ambiguities as they stand in the model, at a stricter risk. None can be fixed, as the same uncertain part is in each of them. Set **Partly fixed are** (under *more*) to *combinations*: 11 can, as decorrelation puts that part into the other three.
+       The best equivariant has 12 mm here, and always fixing 9 mm: 2000 epochs are not the long run. Set **Seed** to 3. Now one fix is more than a metre off, and it is 32 mm against 33 mm.
+    4. Press **Better left alone**. Most fixes are wrong, and always fixing is worse than never fixing. For one ambiguity, in the second picture, that begins at 0.29 cycles: there the blue line rises above 1.
+    5. Press **Start**, and move **Risk of the partial fix**. A smaller risk fixes fewer, and the dashed orange line moves right.
     """)
     return
 
@@ -291,7 +303,7 @@ def _(mo):
     mo.md(r"""
     ### The equations of the soft ways
 
-    **Partly fixed.** Let [$z$](/notation#z) be the last of the decorrelated ambiguities, as many as have a success rate of $1 - P_f$ together. Least squares makes them whole, [$\check z$](/notation#z_fix), and all others follow by their correlation, just as the baseline does, with the covariances [$Q_z$](/notation#Q_z) and [$Q_{bz}$](/notation#Q_bz):
+    **Partly fixed.** Let [$z$](/notation#z) be the last of the decorrelated ambiguities, as many as have a success rate of $1 - P_f$ together; $P_f$ is the risk that you accept. Least squares makes them whole, [$\check z$](/notation#z_fix), and all others follow by their correlation, just as the baseline does, with the covariances [$Q_z$](/notation#Q_z) and [$Q_{bz}$](/notation#Q_bz):
 
     $$\check b = \hat b - Q_{bz}\, Q_z^{-1}\, (\hat z - \check z)$$
 
@@ -301,7 +313,7 @@ def _(mo):
 
     $$\bar a = \frac{\sum_a a\, w_a}{\sum_a w_a}, \qquad w_a = \exp\left(-\tfrac12 \|\hat a - a\|^2\right)$$
 
-    In words: every whole-number vector has a vote. Add whole numbers to $\hat a$, and $\bar a$ moves by the same: that is what *equivariant* means. Float and fixed do so too. Among all estimates that do, none has a smaller mean squared error. So it is never worse than float and
+    In words: every whole-number vector has a vote, and the near ones have the most. Add whole numbers to $\hat a$, and $\bar a$ moves by the same: that is what *equivariant* means. Float and fixed do so too. Among all estimates that do, none has a smaller mean squared error. So it is never worse than float and
     never worse than fixed, in the long run. The price: nobody can say that it *is* fixed.
     """)
     return
@@ -312,12 +324,12 @@ def _(lesson, prediction):
     lesson.text(prediction, r"""
     ### The known length
 
-    You have not used all you know. Two antennas on a beam are as far apart as the beam is long, and that does not change. There are two places to put the length in.
+    There is one more thing you know. Two antennas on a beam are as far apart as the beam is long, and that does not change. There are two places to put the length in.
 
-    **As a row.** One more measurement: the float baseline should be 1 m long. It is a curved one, so it is straightened where the float baseline happens to stand, and that
-    is a metre from the truth. **In the search.** Ask each vector of whole numbers: how near does *your* baseline come to that length?
+    **As a row.** One more row among the measurements of the float solution: the baseline is 1 m long. A length is not linear in east, north and up, so the row is linearised at the float baseline, and that
+    is off by nearly a metre. **In the search.** Ask each vector of whole numbers: how near does *your* baseline come to that length?
 
-    Left: a map of the baselines that belong to the whole numbers nearest to the float ones, seen from above, and the circle of the length. Right: how well each fits and how long its baseline is; below, how often
+    **The first picture** is a map: the baselines that belong to the whole numbers nearest to the float ones, seen from above, and the circle of the length. **The second picture**: how well each of them fits and how long it is; below, how often
     each method is right, and by a diamond how often it *claims* to be.
     """)
     return
@@ -376,14 +388,14 @@ def _(length, saving_length):
 @app.cell(hide_code=True)
 def _(lesson, prediction):
     lesson.text(prediction, r"""
-    **What you see.** Six satellites, L1, one epoch. Without the length 31.5 % are right. With the length in the search it is **96 %**. Two dozen vectors fit the codes about equally well, and only one of them has a baseline
+    **What you see.** Six satellites, L1, one epoch. Without the length 31.5 % are right. With the length in the search it is **96 %**. On the map are the two dozen vectors nearest to the float one, and only one of them has a baseline
     of one metre.
 
     1. Set **Length goes into** to *the float solution, as a row*: 11 % are right. The row has made it worse, and claims 84 %.
-    2. *Row and search: twice* claims 98.5 %, and 22 % are right. What you know counts once. Count it twice, and you are sure of what is wrong.
-    3. Move **You enter too much by** to 5 cm. Hardly an epoch is right, and it still claims 87 %. A hard constraint must be true.
-    4. Press **30 cm**: the shorter the beam, the better. The sphere is smaller.
-    5. Press **Nine satellites**: without the length it works as well. The length helps where you are poor.
+    2. Set it to *row and search: twice*. It claims 98.5 %, and 22 % are right. What you know counts once. Count it twice, and you are sure of what is wrong.
+    3. Set it back to *the search, exactly*, and move **You enter too much by** to 5 cm. Not one epoch is right, and it still claims 87 %. A hard constraint must be true.
+    4. Press **30 cm**: 98.5 %. The shorter the beam, the better, as fewer vectors come near the smaller sphere.
+    5. Press **Nine satellites**: without the length it works as well. The length helps where there are few satellites.
     """)
     return
 
@@ -393,21 +405,21 @@ def _(mo):
     mo.md(r"""
     ### The equations of the length
 
+    **Why the row fails.** The float baseline is off by half a metre *across* the beam as well. A vector of a metre, moved half a metre sideways, is 12 cm too long: an error that no sigma knows of. And its direction is wrong by 27°, so the row pulls in a wrong direction.
+    A row is fine once the baseline is known much better than it is long.
+
     **C-LAMBDA** (constrained). Each vector of whole numbers $a$ has a baseline of its own, $\hat b(a)$, with the covariance [$Q_{b|a}$](/notation#Q_b_given_a). The cost of $a$ now has two parts. The second is how far that baseline is from the sphere of radius
     [$\ell$](/notation#ell):
 
     $$\check a = \arg\min_a \left( \|\hat a - a\|^2_{Q_a} + \min_{\|b\| = \ell} \|\hat b(a) - b\|^2_{Q_{b|a}} \right)$$
 
-    In words: fit the float ambiguities *and* have the right length. The search walks through the same tree as before. The first part alone never costs more than both, so it still says which branches to leave.
+    In words: fit the float ambiguities *and* have the right length. The search walks through the same tree as in lesson 03. The first part alone never costs more than both, so it still says which branches to leave.
 
-    **The nearest point of a sphere.** $Q_{b|a}$ is no ball but an ellipsoid: flat in the level, long upwards. So the nearest point is not the one you get by stretching $\hat b(a)$. Along the ellipsoid's axes, with the sigmas $\sigma_i$:
+    **The nearest point of a sphere** (leave it out at first reading). The error ellipsoid of $\hat b(a)$ is no ball: it is longest upwards. So the nearest point is not the one you get by stretching $\hat b(a)$. Along the ellipsoid's axes, with the sigmas $\sigma_i$:
 
     $$b_i = \frac{\hat b_i}{1 + \kappa\, \sigma_i^2}, \qquad \sum_i \left( \frac{\hat b_i}{1 + \kappa\, \sigma_i^2} \right)^2 = \ell^2$$
 
-    In words: each coordinate gives way as far as it is uncertain. One number [$\kappa$](/notation#kappa) decides how far, and the second equation, the *secular equation*, gives it. Its left side falls as $\kappa$ grows, so there is one root to find, and a few steps of Newton find it. (Where $\hat b$ has no part along the longest axis, two points may be equally near: the *hard case*. The code knows it.)
-
-    **Why the row fails.** The float baseline is off by half a metre *across* as well. A vector of a metre, moved half a metre sideways, is 12 cm too long: an error that no sigma knows of. And its direction is wrong by 27°, so the row pulls to the wrong side.
-    A row is fine once the baseline is known much better than it is long.
+    In words: each coordinate gives way as far as it is uncertain. One number [$\kappa$](/notation#kappa) decides how far, and the second equation, the *secular equation*, gives it. Its left side falls as $\kappa$ grows, so there is one root to find, and a few steps of Newton find it. (Where $\hat b$ is at right angles to the longest axis, two points may be equally near. This *hard case* has a solution of its own.)
     """)
     return
 
@@ -439,7 +451,7 @@ def _(mo):
     print(gl.fix_with_length(flt, 1.0).best)
     ```
 
-    The true whole numbers are 34, −28, −45, −20, −22. Least squares misses them here, and the test says so: the ratio is 2.2, and this model asks for more than 4. With the length they are found.
+    The true whole numbers are 34, −28, −45, −20, −22. Least squares misses them here, and the test says so: the ratio is 2.2, and this model asks for more than 4. No combination is certain enough to be fixed alone (0 of 5). With the length they are found.
     `gl.fix_with_length(gl.use_length(flt, 1.0, 0.005), 1.0)` is refused: the length would be used twice.
     """)
     return
@@ -450,7 +462,7 @@ def _(mo):
     mo.md(r"""
     ## Reach a goal
 
-    Two for the first lab, two for the second, two for the third; the last lab, under *Real data*, has one of its own. They are judged as you move. Not all controls that help are in sight: look under *more*.
+    Two for the first lab, two for the second, two for the third; the last lab, under *Real data*, has one of its own. They are judged as you move. Some controls that help are under *more*.
     """)
     return
 
@@ -498,7 +510,7 @@ def _(lesson, prediction):
 
     Now the roof. Nobody simulated this. Each epoch is solved alone, and the true position is known from all of them together. Satellites are taken away one by one, the lowest first.
 
-    Left: what became of all epochs with nine satellites left, with eight, and so on. The diamond is what the model promised. Right: each epoch's error, with the number of satellites that you choose.
+    **The first picture**: what became of all epochs with nine satellites left, with eight, and so on. The diamond is what the model promised. **The second picture**: each epoch's error, with the number of satellites that you choose.
     """)
     return
 
@@ -556,18 +568,18 @@ def _(fewer, saving_fewer):
 @app.cell(hide_code=True)
 def _(lesson, prediction):
     lesson.text(prediction, r"""
-    **It breaks all at once.** With nine satellites all epochs are right, with six nine of ten, with five **one of four**. The count of satellites is no smooth thing: each one takes an equation and leaves the three unknowns of
-    the baseline.
+    **It breaks all at once.** With nine satellites all epochs are right, with six nine of ten, with five **one of four**. With one frequency and one epoch, $m$ satellites give
+    $2(m - 1)$ double differences for $m - 1$ ambiguities and 3 coordinates. So $m - 4$ of them are left to check the rest: five with nine satellites, one with five, none with four.
 
     * Move **Satellites left** to 5. This is the scene. Thirteen epochs pass a ratio of 3, eight of them wrong. Epoch 25 is among them, off by 0.36 m.
     * Set **Believe** to *failure rate*. The model asks for a ratio of 11 here, and none of the wrong ones gets through. None of the right ones does either: with five satellites and one frequency there is nothing to be believed.
     * Press **The length known**. The same measurements, and 99 % are right.
-    * Press **Two frequencies**: four satellites suffice.
+    * Press **Two frequencies**: four satellites give the right integers at every epoch. That is not yet a good position: these four stand so badly that it is off by metres at first, with the right integers.
     * Press **Two stations**, Japan, 3.3 km apart: more noise, and it breaks at five as well.
-    * The promises are far too low, because the noise we assume, 30 cm for the code, is twice that of these receivers. Press **Code believed 15 cm**. A promise is as good as its sigmas. One that is too low
-      costs fixes, one that is too high costs you the position.
+    * The promises are far too low, because the noise we assume, 30 cm for the code and 3 mm for the carrier, is twice that of these receivers. Press **Half the noise**. No integer changes and no ratio, as these depend only on how code and carrier compare. But now the promises come close to
+      the counts. A promise is as good as its sigmas. One that is too low costs fixes, one that is too high costs you the position.
 
-    Set **Data** to *my files* for your own: two receivers that stand still, and broadcast orbits.
+    Set **Data** to *my files* for your own measurements: two receivers that stand still, and broadcast orbits.
     """)
     return
 
@@ -583,9 +595,9 @@ def _(mo):
     mo.md(r"""
     ## Reproduce
 
-    Published numbers, and what our functions give. Counts have their standard deviation.
+    Published numbers, and what our functions give. Counts have their standard deviation. Three rows marked * have no paper behind them: see below.
 
-    | what, and who | printed | here |
+    | what, and who | elsewhere | here |
     |:---|---|---|
     | success rate of bootstrapping, two ambiguities as they are (LAMBDA 4.0, example 2) | 90.41 % | 90.41 % |
     | the same after decorrelation | 97.08 % | 97.08 % |
@@ -594,16 +606,18 @@ def _(mo):
     | one epoch of L1, success rate (example 3) | 30.7 % | 30.7 % |
     | squared error of the baseline, fixed over float (example 3, 10 000 draws) | 1.231 | 1.219 ± 0.003 |
     | the same, best equivariant over float | 0.903 | 0.897 ± 0.001 |
-    | one epoch of L1, length 1 m: right without it (3000 draws there, 6000 here) | 31.6 % | 31.7 % ± 0.6 % |
-    | the same: right with it in the search | 95.6 % | 95.8 % ± 0.3 % |
-    | threshold $\mu$ of the fixed failure rate, 1 % of 5 % and of 10 %, $n = 8$ (LAMBDA 3.0, table) | 0.65 and 0.55 | 0.65 at 6.4 % |
+    | one epoch of L1, length 1 m: right without it* (3000 draws there, 6000 here) | 31.6 % | 31.7 % ± 0.6 % |
+    | the same: right with it in the search* | 95.6 % | 95.8 % ± 0.3 % |
+    | threshold $\mu$ (best over second) for 1 % of failures, where without a test 5 and 10 % fail, $n = 8$ (LAMBDA 3.0) | 0.65 and 0.55 | 0.65 at 6.4 % |
     | ADOP 0.14 and 0.20, $n = 28$: success rate | 0.990 and 0.705 | 0.990 and 0.705 |
-    | multipath that the model ignores: promised by ADOP; wrong | 100 %; 42 to 44 % | 99.97 %; 44.3 % |
+    | multipath that the model ignores*: promised by ADOP; wrong | 100 %; 42 to 44 % | 99.97 %; 44.3 % |
 
-    They agree. 1.231 has an error of 0.012 of its own, as it was drawn 10 000 times.
+    They agree: 1.231 was drawn 10 000 times, so it has an error of 0.012 of its own.
 
-    The last row is no printed number. The paper of 2015 judges its schemes by their ADOP, and gives no share of wrong fixes. Its voyage was simulated for this course, with the bursts of multipath that it reports: plain least squares had an ADOP of 0.0755, which promises
-    everything, and 42 to 44 % of the best vectors were wrong. **Multipath** in the first lab shows the same with one echo, whose size was chosen to do so. A smaller ADOP means a better geometry. It does not mean fewer wrong fixes. The known-length pair was counted once by brute force; no paper prints it. [$\mu$](/notation#mu) is best over second, so the start of the first lab, whose threshold is 1.54, stands in the table as 1/1.54 = 0.65.
+    * **The known length.** No paper prints this pair. It was counted once by brute force, for this course.
+    * **Thresholds.** [$\mu$](/notation#mu) is best over second. At the start of the first lab 6.4 % fail without a test, and our threshold for 1 % is 1.54, so 1/1.54 = 0.65. Between its two entries the table asks for about 0.62 there, which is a little stricter.
+    * **Multipath.** The paper of 2015 judges its schemes by their ADOP, and gives no share of wrong fixes. We simulated its voyage, with the bursts of multipath that it reports: plain least squares had an ADOP of 0.0755, which promises
+      everything, and 42 to 44 % of the best vectors were wrong. **Multipath** in the first lab shows the same with one echo, whose size was chosen to do so. A smaller ADOP means a better geometry. It does not mean fewer wrong fixes.
     """)
     return
 
@@ -613,8 +627,8 @@ def _(mo):
     mo.md(r"""
     ## Find the printed error
 
-    **The ratio upside down.** Three of our five papers ask the ratio to reach 3 or 4, or 2 to 3, and none writes down what is divided by what. RTKLIB divides the second best by the best and asks for *at least* 3. TU Delft's LAMBDA divides the best by the second best and
-    asks for *at most* $\mu$. Mix them, and this comes out. Choose **Ratio written** under *more* in the first lab, where 93.6 % are right:
+    **The ratio upside down.** Three of the five papers behind this course ask the ratio to reach 3 or 4, or 2 to 3, and none writes down what is divided by what. RTKLIB divides the second best by the best and asks for *at least* 3. TU Delft's LAMBDA divides the best by the second best and
+    asks for *at most* $\mu$. Mix them up, and this comes out. Press **Upside down** and **1/3 for 3** in the first lab, where 93.6 % are right (**Ratio written** under *more* does it):
 
     | the ratio is | fixed | fixed wrong |
     |:---|---|---|
@@ -622,10 +636,10 @@ def _(mo):
     | upside down: best over second, at least 1/3 | 59.9 % | 6.4 % |
     | 1/3 given where 3 was meant | 100 % | 6.4 % |
 
-    Upside down, exactly the doubtful fixes pass: nearly all of the wrong ones, and not one of the certain ones. It looks well: more epochs are fixed than before.
+    Upside down, exactly the doubtful fixes pass: nearly all of the wrong ones, and not one of the certain ones. It looks good: more epochs are fixed than before.
 
-    **Paper of 2019, equation (16).** Printed: the variance of the length row is $b\,b^2$, the *length* squared. It should be $\sigma_b^2$, where [$\sigma_b$](/notation#sigma_b) says how well the length is known. With a beam of 1.167 m and 5 mm, the row is 233 times weaker than meant, and does nothing: a prior
-    of 10 mm along the beam stays at 10.0 mm, where it should become 4.5 mm. Move **Sigma of the row** in the third lab, under *more*, to 50 cm, and see a row fade. A curious thing: at 20 cm the row does *better* than at 5 mm, 45 % against 11 %. The slip hides another one, as a row of 5 mm believes its straight line too much.
+    **Paper of 2019, equation (16).** Printed: the variance of the length row is the *length* squared. It should be $\sigma_b^2$, where [$\sigma_b$](/notation#sigma_b) says how well the length is known. With a beam of 1.167 m, known to 5 mm, the row's sigma is 233 times too large, and the row does nothing: a sigma
+    of 10 mm along the beam stays at 10.0 mm, where it should become 4.5 mm. Move **Sigma of the row** in the third lab, under *more*, to 50 cm, and see a row fade. But at 20 cm the row does *better* than at 5 mm, 45 % against 11 %: with 5 mm it believes its linearisation too much. So one mistake hides another.
 
     **Used twice.** Nobody prints this one; it is what happens when a filter with a length row hands its float solution to a search with a length. 22 % right, 98.5 % claimed. Our float solutions remember what has gone into them, and the search refuses.
     """)
@@ -753,12 +767,12 @@ def _(mo):
 
     * **A bias.** Every promise, every threshold and every weight believes the model. A reflection, a wrong antenna height, an ionosphere that did not cancel: none is in it. Look at the residuals, and at what stays for minutes.
     * **Wrong sigmas.** Too small, and all promises are too good. Too large, and you throw away what you have. Measure them: lesson 02 shows how.
-    * **One constant for all.** A ratio of 3 is too much for twenty ambiguities and too little for four.
+    * **One threshold for all.** A ratio of 3 is too much for twenty ambiguities and too little for four.
     * **Testing until it fits.** Drop a satellite, test again, drop another: a test repeated is passed by chance.
     * **Correlated epochs.** A wrong fix seldom comes alone. Ten epochs that agree may share one reflection.
     * **Few satellites.** Where the float ellipsoid is large it holds many vectors, and one of them fits splendidly by chance. No test helps, only another satellite, a second frequency, or a length.
     * **A length that is not one.** Wood swells, poles bend, phase centres move with the direction of the signal. A hard length needs millimetres.
-    * **A soft answer handed on.** A best equivariant baseline is neither float nor fixed. Whoever takes it for fixed takes its tails for centimetres.
+    * **A soft answer handed on.** A best equivariant baseline is neither float nor fixed. Whoever takes it for fixed expects centimetres, and at times it is off by decimetres.
 
     ## Sources
 

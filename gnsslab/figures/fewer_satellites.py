@@ -10,10 +10,10 @@ from gnsslab.figures.kept import Scene, new_figure, styled
 RIGHT_COLOR, WRONG_COLOR, PROMISE_COLOR = "#0072B2", "#D98200", "#111111"
 # From the bottom of a bar to its top: the two right ones below, so that their sum can be read.
 OUTCOMES = {
-    "fixed": ("fixed", {"facecolor": RIGHT_COLOR, "edgecolor": RIGHT_COLOR}),
-    "right_rejected": ("rejected, was right", {"facecolor": "#C3DEEF", "edgecolor": RIGHT_COLOR, "hatch": "////"}),
-    "wrong_rejected": ("rejected, was wrong", {"facecolor": "#F8E3C4", "edgecolor": WRONG_COLOR, "hatch": "...."}),
-    "failed": ("failed", {"facecolor": WRONG_COLOR, "edgecolor": WRONG_COLOR}),
+    "fixed": ("fixed, right", {"facecolor": RIGHT_COLOR, "edgecolor": RIGHT_COLOR}),
+    "right_rejected": ("rejected, right", {"facecolor": "#C3DEEF", "edgecolor": RIGHT_COLOR, "hatch": "////"}),
+    "wrong_rejected": ("rejected, wrong", {"facecolor": "#F8E3C4", "edgecolor": WRONG_COLOR, "hatch": "...."}),
+    "failed": ("fixed, wrong", {"facecolor": WRONG_COLOR, "edgecolor": WRONG_COLOR}),
 }
 MARKS = {
     "fixed": {"marker": "o", "color": RIGHT_COLOR},
@@ -117,7 +117,7 @@ class _Errors:
             chosen = getattr(result.outcomes, name)
             marks.set_data(epoch[chosen], error[chosen])
         count = len(result.stage.satellites)
-        self.title.set_text(f"error of the position, {count} satellites, epoch by epoch:\nfixed if believed, float if rejected")
+        self.title.set_text(f"error of the position, {count} satellites:\nfixed where accepted, float where rejected")
         self.axes.set_xlim(0, len(epoch) + 1)
         return len(epoch)
 
@@ -125,8 +125,8 @@ class _Errors:
 def describe_fewer(result):
     """Return the pictures in words, for those who cannot see them."""
     parts = "; ".join(
-        f"{len(stage.satellites)} satellites: {100 * shares.right:.0f} % right, {100 * shares.fixed:.0f} % fixed, "
-        f"{100 * shares.failed:.0f} % failed, promised {100 * promised:.0f} %"
+        f"{len(stage.satellites)} satellites: {100 * shares.right:.0f} % right, {100 * shares.fixed:.0f} % fixed and right, "
+        f"{100 * shares.failed:.0f} % fixed wrong, promised {100 * promised:.0f} %"
         for stage, shares, promised in zip(result.stages, result.shares, result.promised, strict=True)
     )
     return (

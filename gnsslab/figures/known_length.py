@@ -37,7 +37,7 @@ def build_map(figure):
         fontsize=9,
         markerscale=0.75,
         handlelength=1.3,
-        handletextpad=0.4,
+        handletextpad=0.7,
         columnspacing=1.2,
         labelspacing=0.4,
     )
@@ -103,7 +103,7 @@ class _Lengths:
 
     def __init__(self, axes):
         self.axes = axes
-        axes.set_title("the same integers: fit, and length of their baseline", fontsize=9.5)
+        axes.set_title("the same: how well they fit, how long they are", fontsize=9.5)
         axes.set_ylabel("length [m]", labelpad=1)
         axes.set_xlabel("squared distance from the float ones", labelpad=1)
         axes.xaxis.set_major_locator(MaxNLocator(6))
@@ -146,7 +146,7 @@ class _Shares:
         self.bars = axes.barh(self.rows, np.zeros(len(NAMES)), height=0.62, color=RIGHT_COLOR)
         (self.errors,) = axes.plot([], [], color="#444444", linewidth=2, label="error of the count, 95 %")
         diamond = {"color": "white", "markeredgecolor": CLAIM_COLOR, "markeredgewidth": 1.6, "markersize": 8}
-        (self.claims,) = axes.plot([], [], "D", label="what it claims itself", **diamond)
+        (self.claims,) = axes.plot([], [], "D", label="claimed", **diamond)
         self.numbers = [axes.text(0, row, "", va="center", fontsize=9) for row in self.rows]
         axes.legend(handles=[self.claims, self.errors], loc="lower left", ncols=2, bbox_to_anchor=(-0.25, 1.0), handlelength=1.2, columnspacing=1.2)
 
@@ -184,7 +184,7 @@ def describe_known_length(result):
     )
     return (
         f"A map of the baselines that the {len(shown.baselines) - 1} integer vectors nearest to the float solution give, with the circle of the "
-        f"length entered, {result.entered:.3f} m; {fits} of them have that length. The ones chosen are {'right' if shown.is_right else 'wrong'}. "
+        f"length entered, {result.entered:.3f} m; {fits} of them {'has' if fits == 1 else 'have'} that length. The ones chosen are {'right' if shown.is_right else 'wrong'}. "
         f"Beside it, counted over {len(result.counted.truth)} epochs, how often each method is right: {shares}."
     )
 

@@ -124,7 +124,7 @@ class _Risks:
         axes.set_yscale("log")
         axes.set_ylim(LEAST_RISK, 1)
         axes.yaxis.set_major_locator(FixedLocator([1e-6, 1e-4, 1e-2, 1]))
-        axes.yaxis.set_major_formatter(FixedFormatter(["1 ppm", "0.01 %", "1 %", "100 %"]))
+        axes.yaxis.set_major_formatter(FixedFormatter(["0.0001 %", "0.01 %", "1 %", "100 %"]))
         axes.yaxis.set_minor_locator(FixedLocator([]))
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
         axes.set_xlabel("how many are fixed", labelpad=1)

@@ -48,23 +48,23 @@ NOT_COUNTED = ("method", "epoch")  # they choose what is shown of one count
 
 PRESETS = (
     Preset("one-epoch", "One epoch", {},
-           "Many integer vectors fit the codes, and few of their baselines are 1 m long: the right ones go from 31 % to 96 %."),
+           "Many integer vectors fit the codes, and few of their baselines are 1 m long: the right ones go from 31.5 % to 96 %."),
     Preset("without-length", "No length", {"method": "without"},
-           "The float baseline is off by a metre, and the nearest integers are usually wrong."),
+           "The float baseline is off by nearly a metre, and the nearest integers are wrong in two epochs of three."),
     Preset("length-row", "As a row", {"method": "row"},
-           "The row pulls the float baseline onto the circle where it happens to stand: fewer are right than with no length, and it claims 84 %."),
+           "The row pulls the float baseline onto the circle at the wrong place: 11 % are right, fewer than with no length, and it claims 84 %."),
     Preset("length-twice", "Used twice", {"method": "twice"},
-           "Row and search both use the length: it claims 98 %, and a fifth is right."),
+           "Row and search both use the length: it claims 98.5 %, and 22 % are right."),
     Preset("short-baseline", "30 cm", {"length": 0.3},
-           "The shorter the baseline, the smaller the sphere: the search gains, the row loses."),
+           "The shorter the baseline, the smaller the sphere: the search is right at 98.5 %, and the row is as bad as before."),
     Preset("long-baseline", "5 m, as a row", {"length": 5, "method": "row"},
-           "Seen from close by the sphere is flatter, so the row does better, but it still claims twice what it keeps."),
+           "A larger sphere is flatter, so the row does better: 41 % are right. But it claims twice as much."),
     Preset("length-off", "5 cm wrong", {"length_error": 5},
-           "A hard wrong length: hardly an epoch is right, and it still claims 87 %."),
+           "A wrong length in the search: not one epoch is right, and it still claims 87 %."),
     Preset("scaled-length", "1 cm wrong, scaled", {"length_error": 1, "method": "scaled", "epochs": 2000},
-           "The exact point of the sphere gives way where the carriers are weak, which is up; scaling cannot, and loses more."),
+           "The nearest point of the sphere gives way most where the baseline is least certain, which is up; scaling cannot: 77 % are right, not 82 %."),
     Preset("hard-direction", "A bad direction", {"direction": "set", "heading": 120},
-           "Here some wrong vectors lie along the sphere. Turn the heading to 150 under more: none are left."),
+           "Here some wrong vectors have nearly the right length: 89 % are right. Set the heading to 150 deg under more, and all are."),
     Preset("nine-satellites", "Nine satellites", {"satellites": 9},
            "Enough satellites find the integers without the length; the row still spoils it."),
 )  # fmt: skip
@@ -338,7 +338,7 @@ def readouts(result):
             "Right integers",
             f"{100 * right.rate:.1f}",
             "%",
-            f"of {right.samples}, +- {100 * right.sigma:.1f}; no length: {100 * plain.right.rate:.1f} %",
+            f"± {100 * right.sigma:.1f} % in {right.samples} epochs; no length: {100 * plain.right.rate:.1f} %",
         ),
         Readout("Claimed", f"{100 * fixes.claimed:.1f}", "%", _claim_words(fixes)),
         _believed(fixes),
@@ -350,8 +350,8 @@ def _claim_words(fixes):
     """Return how the claim compares with the count."""
     too_much = fixes.claimed - fixes.right.rate
     if abs(too_much) <= 3 * fixes.right.sigma:
-        return "of them, and the count agrees"
-    return f"of them: {100 * abs(too_much):.0f} % too {'much' if too_much > 0 else 'little'}"
+        return "by the method itself, and the count agrees"
+    return f"by the method itself: {100 * abs(too_much):.0f} percentage points too {'much' if too_much > 0 else 'little'}"
 
 
 def _believed(fixes):
@@ -395,5 +395,5 @@ def _judge_honest(result):
 GOALS = (
     Goal("five", "Five satellites, a metre or more, any direction, code noise of 0.2 m or more: get 85 % right by the search.", _judge_five),
     Goal("honest", "Six satellites, 1 m or less, code noise of 0.2 m or more, the right length entered: make the row honest. It claims at most "
-         "3 % more than it keeps, and gets 8 % more epochs right than no length does. The control for it is under more.", _judge_honest),
+         "3 percentage points more than it gets right, and gets 8 points more right than no length does. The control for it is under more.", _judge_honest),
 )  # fmt: skip

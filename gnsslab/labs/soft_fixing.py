@@ -32,9 +32,9 @@ CONTROLS = (
     Slider("satellites", "Satellites", 5, 10, 1, 9, help="Of GPS, the highest ones."),
     Choice("frequencies", "Frequencies", {"one": 1, "two": 2}, 1, help="L1 alone, or L1 and L2."),
     Slider("code_noise", "Code noise", 0.05, 0.6, 0.05, 0.15, "m", help="Of one reading of one receiver, at the zenith."),
-    Slider("trees", "Behind trees", 0, 3, 1, 0, help="So many of the lowest satellites are read four times worse."),
-    Choice("risk", "Risk of the partial fix", RISKS, 0.005, help="As many are fixed as are all right but for this chance."),
-    Slider("sigma", "Sigma of one ambiguity", 0.05, 0.8, 0.01, 0.25, "cycles", help="Of the picture of steps, and of the one beside it."),
+    Slider("trees", "Noisy satellites", 0, 3, 1, 0, help="So many of the lowest are four times as noisy, as behind trees."),
+    Choice("risk", "Risk of the partial fix", RISKS, 0.005, help="As many are fixed as can be, with no more than this chance that one is wrong."),
+    Slider("sigma", "Sigma of one ambiguity", 0.05, 0.8, 0.01, 0.25, "cycles", help="Of the stairs, and of the second picture. The baselines do not depend on it."),
     Slider("ratio", "Ratio asked for", 1, 10, 0.1, 3, help="Fixed where it is reached, else float: the usual way.", more=True),
     Choice("subset", "Partly fixed are", {"combinations": "combinations", "single ones": "single"}, "combinations",
            help="The most certain combinations after decorrelation, or ambiguities as they are.", more=True),
@@ -45,21 +45,17 @@ CONTROLS = (
 
 PRESETS = (
     Preset("soft", "Start", {},
-           "Nearly all integers are right, but the wrong ones make the rms: the soft estimate has less than fixing, and far less than the test."),
-    Preset("trees", "One behind trees", {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 1},
-           "One poor satellite, and the ratio test refuses nine epochs of ten; fix all ambiguities but the poor one, and you have millimetres."),
+           "98 % of the fixes are right, and the others make the rms: the best equivariant estimate has less than always fixing, and a third of the ratio test's."),
+    Preset("trees", "One noisy satellite", {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 1},
+           "One noisy satellite, and the ratio test rejects nine epochs of ten; fix all combinations but the most uncertain one, and you have millimetres."),
     Preset("single", "Single ones", {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 2, "risk": 0.001, "subset": "single"},
            "Ambiguities as they are: at this risk none can be fixed. Choose combinations under more, and eleven of fourteen can: a centimetre."),
     Preset("five", "Five satellites", {"satellites": 5, "frequencies": 2, "code_noise": 0.2, "risk": 0.005},
-           "Too few for all integers at this risk: six combinations of the eight can be had, and the float error falls to a third."),
+           "Too few for all integers at this risk: six combinations of the eight can be fixed, and the float error falls to a third."),
     Preset("left-alone", "Better left alone", {"satellites": 7, "code_noise": 0.3},
-           "Fixing always is worse than not fixing at all; the soft estimate is better than both."),
+           "Always fixing is worse than never fixing; the best equivariant estimate is better than both."),
     Preset("plenty", "Plenty", {"frequencies": 2},
-           "Nothing to decide: all ways but float lie on one line, and the soft estimate has one integer vector left."),
-    Preset("steps", "Steps", {"sigma": 0.1},
-           "Look at the stairs: a precise ambiguity is all but rounded, and only half-way between two integers does the curve hesitate."),
-    Preset("ramp", "Ramp", {"sigma": 0.6},
-           "Look at the stairs: where sigma is half a cycle the integers tell you nothing, and the soft estimate leaves the float value as it is."),
+           "Nothing to decide: all ways but float lie on one line, as a single integer vector has all the weight."),
 )  # fmt: skip
 
 
@@ -211,7 +207,7 @@ def readouts(result):
         "tested": ("Ratio test", f"{passed} pass, {wrong} wrongly"),
         "fixed": ("Always fixed", f"{right} right"),
         "partial": ("Partly fixed", f"{result.fixed} of {len(result.risks)}, {partial} right"),
-        "soft": ("Best equivariant", "in the long run the least"),
+        "soft": ("Best equivariant", "the least in the long run"),
     }
     return [Readout(label, *_length(result.rms[way]), f"rms; {note}") for way, (label, note) in notes.items()]
 
@@ -250,6 +246,6 @@ def _words(metres):
 GOALS = (
     Goal("worse-than-nothing", "Make fixing always worse than not fixing at all, where the best equivariant estimate is still at least 10 % better "
          "than either.", _judge_worse),
-    Goal("in-the-wood", "Eight satellites at most, three of them behind trees, a risk of 0.1 % or less: get the partial fix below 12 mm.",
+    Goal("in-the-wood", "Eight satellites at most, three of them noisy, a risk of 0.1 % or less: get the partial fix below 12 mm.",
          _judge_in_the_wood),
 )  # fmt: skip

@@ -74,7 +74,7 @@ PRESETS = (
     Preset("all-wrong", "All fixes wrong", FIVE | {"code_noise": 0.2, "code_bias": 3.5},
            "99.4 % promised, none right. The ratio rejects nine epochs of ten, but what passes is wrong, even at ratios above 10."),
     Preset("difference", "Difference", {"test": "difference", "threshold": 12},
-           "Second best minus best: at 12 the odds are 400 to 1. A few more right fixes pass than with a ratio of 3."),
+           "Second best minus best: at 12 the best is 400 times as probable as the second best. A few more right fixes pass than with a ratio of 3."),
     Preset("projector", "Projector", {"test": "projector", "threshold": 2},
            "How far towards the second best the float values lie: here small is good, and what is fixed stands on the left."),
     Preset("upside-down", "Upside down", {"written": "upside-down"},
@@ -356,7 +356,7 @@ def readouts(result):
             "Fixed wrong",
             percent(chosen.shares.fixed_wrong),
             "%",
-            f"of all epochs; for {tolerance:g} % the model asks for a ratio of {tolerated.ratio:.2f}",
+            f"of all epochs; for {tolerance:g} % at most the model asks for a ratio of {tolerated.ratio:.2f}",
         ),
     ]
 

@@ -7,7 +7,7 @@ import pytest
 PATIENCE = 90_000  # [ms], the very first load compiles kernels
 SLIDERS = {
     "trust": ("Satellites", "Code noise", "Multipath", "Threshold", "Tolerated failures"),
-    "soft-fixing": ("Satellites", "Code noise", "Behind trees"),
+    "soft-fixing": ("Satellites", "Code noise", "Noisy satellites"),
     "known-length": ("Distance of the antennas", "You enter too much by", "Satellites", "Code noise"),
     "fewer-satellites": ("Satellites left",),
 }
@@ -75,7 +75,7 @@ def test_presets_by_their_buttons_leave_the_other_labs_alone(lesson):
 
 def test_a_preset_by_link(lesson):
     page = lesson("?preset=trees")
-    page.get_by_text("One poor satellite").wait_for(timeout=PATIENCE)
+    page.get_by_text("One noisy satellite, and").wait_for(timeout=PATIENCE)
     assert "13 of 14" in _readouts(page, "soft-fixing")
 
 

@@ -49,9 +49,9 @@ def test_moves_leave_nothing_behind(results):
     assert moved == KeptPicture(build_errors, 500, 520, sharpness=0.5).png(list(results.values())[-1])
 
 
-def test_single_ambiguity_is_marked_at_its_sigma(results):
+def test_single_ambiguity_is_marked_at_its_sigma():
     figure = new_figure(330, 330)
-    build_single(figure).show(results["ramp"])
+    build_single(figure).show(soft_fixing_lab().run(sigma=0.6))
     marks = [line for line in figure.axes[0].lines if len(line.get_xdata()) == 1]
     assert [mark.get_xdata()[0] for mark in marks] == [0.6] * 3
     assert max(mark.get_ydata()[0] for mark in marks) > 1.1  # rounding is worse than float there

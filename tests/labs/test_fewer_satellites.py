@@ -200,9 +200,9 @@ def test_presets_of_real_data_show_what_they_promise(lab, real):
     assert broken_at(shown["roof-highest"]) == 6
     assert chosen["roof-rate"].fixed + chosen["roof-rate"].failed < 0.03
     promised = {name: result.promised[result.chosen] for name, result in shown.items()}
-    assert promised["roof-sharp"] == pytest.approx(0.43, abs=0.03)
+    assert promised["roof-sharp"] == pytest.approx(0.73, abs=0.02)
     assert promised["roof"] == pytest.approx(0.12, abs=0.02)
-    assert chosen["roof-sharp"].right <= chosen["roof"].right
+    np.testing.assert_array_equal(shown["roof-sharp"].outcomes, shown["roof"].outcomes)  # only the ratio of the two sigmas matters
     assert 0.6 < chosen["stations"].right < 0.75
     assert chosen["stations-two"].right == 1
 
@@ -281,4 +281,4 @@ def test_marks_say_the_outcomes(lab):
     build_epochs(figure).show(result)
     counts = {line.get_label(): len(line.get_xdata()) for line in figure.axes[0].lines}
     right = int(result.stage.is_right.sum())
-    assert counts == {"fixed": right, "failed": 150 - right, "rejected, was right": 0, "rejected, was wrong": 0}
+    assert counts == {"fixed, right": right, "fixed, wrong": 150 - right, "rejected, right": 0, "rejected, wrong": 0}

@@ -44,7 +44,7 @@ def test_corners_of_several_controls_at_once(lab):
 
 @pytest.mark.parametrize("control", CONTROLS, ids=lambda control: control.name)
 def test_every_control_has_an_effect(lab, control):
-    """Seen where one satellite is behind trees: there all ways differ from each other."""
+    """Seen where one satellite is noisy: there all ways differ from each other."""
     start = lab.preset("trees").settings | {"risk": 0.001}
     shown = set()
     for value in control.corners:
@@ -59,7 +59,7 @@ def test_presets_show_what_they_promise(at_presets):
     assert np.mean(start.is_right) > 0.95
     assert rms["soft"]["soft"] < 0.95 * rms["soft"]["fixed"] < 0.5 * rms["soft"]["tested"]
     trees = at_presets["trees"]
-    assert np.mean(trees.is_tested) < 0.15  # "refuses nine epochs of ten", nearly
+    assert np.mean(trees.is_tested) < 0.15  # "rejects nine epochs of ten", nearly
     assert (trees.fixed, len(trees.risks)) == (13, 14)
     assert rms["trees"]["partial"] < 10 * MM < 0.4 < rms["trees"]["tested"]
     assert at_presets["single"].fixed == 0
