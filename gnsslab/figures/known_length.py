@@ -178,13 +178,14 @@ def describe_known_length(result):
     """Return the pictures in words, for those who cannot see them."""
     shown = result.shown
     fits = int(fits_length(shown, result.entered)[:-1].sum())
+    fitting = f"{fits} of them {'has' if fits == 1 else 'have'} that length"
     shares = ", ".join(
         f"{name.replace(chr(10), ' ')} {100 * result.counted.fixes[key].right.rate:.0f} % and claims {100 * result.counted.fixes[key].claimed:.0f} %"
         for key, name in NAMES.items()
     )
     return (
         f"A map of the baselines that the {len(shown.baselines) - 1} integer vectors nearest to the float solution give, with the circle of the "
-        f"length entered, {result.entered:.3f} m; {fits} of them {'has' if fits == 1 else 'have'} that length. The ones chosen are {'right' if shown.is_right else 'wrong'}. "
+        f"length entered, {result.entered:.3f} m; {fitting}. The ones chosen are {'right' if shown.is_right else 'wrong'}. "
         f"Beside it, counted over {len(result.counted.truth)} epochs, how often each method is right: {shares}."
     )
 

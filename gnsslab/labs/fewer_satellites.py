@@ -70,7 +70,7 @@ PRESETS = (
     Preset("roof-rate", "Failure rate 1 %", {"acceptance": "rate", "satellites": 5},
            "A threshold of its own for each number of satellites: with few of them next to nothing is fixed, and hardly anything fixed wrong."),
     Preset("roof-sharp", "Half the noise", {"code_noise": 0.15, "carrier_noise": 1.5},
-           "Both sigmas halved: the promise for six satellites rises from 12 to 73 %, and not an epoch has changed: it is about the noise you believe in."),
+           "Both sigmas halved: the promise for six satellites rises from 12 to 73 %, and no epoch changes. It is about the noise you believe in."),
     Preset("stations", "Two stations", {"data": "stations"},
            "An hour over 3.3 km: more noise than on the roof, so six satellites of one carrier are right at two of three epochs."),
     Preset("stations-two", "Two stations, L1 + L2", {"data": "stations", "frequencies": 2, "satellites": 4},

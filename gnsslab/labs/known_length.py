@@ -62,7 +62,7 @@ PRESETS = (
     Preset("length-off", "5 cm wrong", {"length_error": 5},
            "A wrong length in the search: not one epoch is right, and it still claims 87 %."),
     Preset("scaled-length", "1 cm wrong, scaled", {"length_error": 1, "method": "scaled", "epochs": 2000},
-           "The nearest point of the sphere gives way most where the baseline is least certain, which is up; scaling cannot: 77 % are right, not 82 %."),
+           "The nearest point of the sphere gives way most where the baseline is least certain, upwards. Scaling cannot: 77 % right, not 82 %."),
     Preset("hard-direction", "A bad direction", {"direction": "set", "heading": 120},
            "Here some wrong vectors have nearly the right length: 89 % are right. Set the heading to 150 deg under more, and all are."),
     Preset("nine-satellites", "Nine satellites", {"satellites": 9},
@@ -395,5 +395,5 @@ def _judge_honest(result):
 GOALS = (
     Goal("five", "Five satellites, a metre or more, any direction, code noise of 0.2 m or more: get 85 % right by the search.", _judge_five),
     Goal("honest", "Six satellites, 1 m or less, code noise of 0.2 m or more, the right length entered: make the row honest. It claims at most "
-         "3 percentage points more than it gets right, and gets 8 points more right than no length does. The control for it is under more.", _judge_honest),
+         "3 percentage points more than it gets right, and gets 8 points more right than no length. The control is under more.", _judge_honest),
 )  # fmt: skip

@@ -34,7 +34,8 @@ CONTROLS = (
     Slider("code_noise", "Code noise", 0.05, 0.6, 0.05, 0.15, "m", help="Of one reading of one receiver, at the zenith."),
     Slider("trees", "Noisy satellites", 0, 3, 1, 0, help="So many of the lowest are four times as noisy, as behind trees."),
     Choice("risk", "Risk of the partial fix", RISKS, 0.005, help="As many are fixed as can be, with no more than this chance that one is wrong."),
-    Slider("sigma", "Sigma of one ambiguity", 0.05, 0.8, 0.01, 0.25, "cycles", help="Of the stairs, and of the second picture. The baselines do not depend on it."),
+    Slider("sigma", "Sigma of one ambiguity", 0.05, 0.8, 0.01, 0.25, "cycles",
+           help="Of the stairs, and of the second picture. The baselines do not depend on it."),
     Slider("ratio", "Ratio asked for", 1, 10, 0.1, 3, help="Fixed where it is reached, else float: the usual way.", more=True),
     Choice("subset", "Partly fixed are", {"combinations": "combinations", "single ones": "single"}, "combinations",
            help="The most certain combinations after decorrelation, or ambiguities as they are.", more=True),
@@ -45,9 +46,9 @@ CONTROLS = (
 
 PRESETS = (
     Preset("soft", "Start", {},
-           "98 % of the fixes are right, and the others make the rms: the best equivariant estimate has less than always fixing, and a third of the ratio test's."),
+           "98 % of the fixes are right, the others make the rms: the best equivariant has less than always fixing, and a third of the ratio test."),
     Preset("trees", "One noisy satellite", {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 1},
-           "One noisy satellite, and the ratio test rejects nine epochs of ten; fix all combinations but the most uncertain one, and you have millimetres."),
+           "One noisy satellite, and the ratio test rejects nine epochs of ten; fix all combinations but the worst, and you have millimetres."),
     Preset("single", "Single ones", {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 2, "risk": 0.001, "subset": "single"},
            "Ambiguities as they are: at this risk none can be fixed. Choose combinations under more, and eleven of fourteen can: a centimetre."),
     Preset("five", "Five satellites", {"satellites": 5, "frequencies": 2, "code_noise": 0.2, "risk": 0.005},

@@ -150,7 +150,17 @@ def test_words_about_the_second_lab(soft):
     assert alone.rms["fixed"] > alone.rms["float"]
     gain = start.single.rms_rounded / start.single.sigmas
     assert start.single.sigmas[np.argmax(gain > 1)] == pytest.approx(0.29)
-    says("97.7 % of the fixes", "rms: 0.16 m", "has 0.14 m", "11.8 % of the epochs", "**13 of the 14**", "begins at 0.29 cycles", ": 11 can", "82 % instead of 96 %", "32 mm against 33 mm")
+    says(
+        "97.7 % of the fixes",
+        "rms: 0.16 m",
+        "has 0.14 m",
+        "11.8 % of the epochs",
+        "**13 of the 14**",
+        "begins at 0.29 cycles",
+        ": 11 can",
+        "82 % instead of 96 %",
+        "32 mm against 33 mm",
+    )
 
 
 def test_words_about_the_third_lab(length):
