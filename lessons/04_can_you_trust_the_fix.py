@@ -35,7 +35,7 @@ def _(mo):
     Nothing was broken. The receivers were good, the sky was open, the test was the one that nearly every program uses. This lesson is about the question that
     the software did not ask: how often is such a fix right? You can know that before you measure anything.
 
-    It is a long lesson, best in two sittings. The first ends before *Not all, not none*.
+    It is a long lesson, best in two sittings of less than an hour. The first ends before *Not all, not none*.
     """)
     return
 
@@ -165,11 +165,11 @@ def _(mo):
     cell of the true ones. How often they do depends on $Q_a$ alone, and $Q_a$ depends on where the satellites are and how noisy the readings: no measurement is needed.
 
     **Bootstrapping.** Round one ambiguity after the other, each corrected by those before. One alone is right if its error is less than half a cycle. With the conditional variances
-    [$d_i$](/notation#d) after decorrelation, and [$n$](/notation#n) ambiguities:
+    [$d_i$](/notation#d) after decorrelation (what is left of each when those before it are known), and [$n$](/notation#n) ambiguities:
 
     $$P_s = \prod_{i=1}^{n} \left( 2\,\Phi\!\left(\frac{1}{2\sqrt{d_i}}\right) - 1 \right)$$
 
-    In words: [$P_s$](/notation#P_s), the *success rate*, is the chance that all of them are right; [$\Phi$](/notation#Phi) is the normal distribution. Least squares is right at least as often. So this
+    In words: [$P_s$](/notation#P_s), the *success rate*, is the chance that all of them are right; [$\Phi$](/notation#Phi) is the normal distribution function. Least squares is right at least as often. So this
     is a lower bound that costs nothing.
 
     **ADOP.** Put one sigma in the place of all, the geometric mean of the $\sqrt{d_i}$:
@@ -301,7 +301,7 @@ def _(lesson, prediction):
 @app.cell(hide_code=True)
 def _(mo):
     mo.md(r"""
-    ### The equations of the soft ways
+    ### The equations: partly fixed, best equivariant
 
     **Partly fixed.** Let [$z$](/notation#z) be the last of the decorrelated ambiguities, as many as have a success rate of $1 - P_f$ together; $P_f$ is the risk that you accept. Least squares makes them whole, [$\check z$](/notation#z_fix), and all others follow by their correlation, just as the baseline does, with the covariances [$Q_z$](/notation#Q_z) and [$Q_{bz}$](/notation#Q_bz):
 
@@ -574,7 +574,7 @@ def _(lesson, prediction):
     * Move **Satellites left** to 5. This is the scene. Thirteen epochs pass a ratio of 3, eight of them wrong. Epoch 25 is among them, off by 0.36 m.
     * Set **Believe** to *failure rate*. The model asks for a ratio of 11 here, and none of the wrong ones gets through. None of the right ones does either: with five satellites and one frequency there is nothing to be believed.
     * Press **The length known**. The same measurements, and 99 % are right.
-    * Press **Two frequencies**: four satellites give the right integers at every epoch. That is not yet a good position: these four stand so badly that it is off by metres at first, with the right integers.
+    * Press **Two frequencies**: four satellites give the right integers at every epoch. That is not yet a good position: the geometry of these four is so poor that it is off by metres at first, with the right integers.
     * Press **Two stations**, Japan, 3.3 km apart: more noise, and it breaks at five as well.
     * The promises are far too low, because the noise we assume, 30 cm for the code and 3 mm for the carrier, is twice that of these receivers. Press **Half the noise**. No integer changes and no ratio, as these depend only on how code and carrier compare. But now the promises come close to
       the counts. A promise is as good as its sigmas. One that is too low costs fixes, one that is too high costs you the position.
@@ -772,7 +772,7 @@ def _(mo):
     * **Correlated epochs.** A wrong fix seldom comes alone. Ten epochs that agree may share one reflection.
     * **Few satellites.** Where the float ellipsoid is large it holds many vectors, and one of them fits splendidly by chance. No test helps, only another satellite, a second frequency, or a length.
     * **A length that is not one.** Wood swells, poles bend, phase centres move with the direction of the signal. A hard length needs millimetres.
-    * **A soft answer handed on.** A best equivariant baseline is neither float nor fixed. Whoever takes it for fixed expects centimetres, and at times it is off by decimetres.
+    * **Taken for fixed.** A best equivariant baseline is neither float nor fixed. Whoever takes it for fixed expects centimetres, and at times it is off by decimetres.
 
     ## Sources
 

@@ -103,7 +103,7 @@ class _Lengths:
 
     def __init__(self, axes):
         self.axes = axes
-        axes.set_title("the same: how well they fit, how long they are", fontsize=9.5)
+        axes.set_title("the same vectors: fit and length", fontsize=9.5)
         axes.set_ylabel("length [m]", labelpad=1)
         axes.set_xlabel("squared distance from the float ones", labelpad=1)
         axes.xaxis.set_major_locator(MaxNLocator(6))
