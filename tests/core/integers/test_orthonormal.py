@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from obvious import all_within, covariance, unimodular
-from scipy.optimize import minimize
+from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from gnsslab.core.integers import attitude_integer_least_squares, constrained_integer_least_squares, integer_least_squares
@@ -24,7 +24,7 @@ BODIES = [
     TRIPOD,
 ]
 cases = st.tuples(st.integers(1, 5), st.sampled_from(BODIES), st.integers(0, 2**32 - 1))  # n, body, seed
-STARTS = Rotation.random(40, random_state=1).as_rotvec()
+STARTS = Rotation.random(40, random_state=1)
 
 
 def arguments(solution, k):
@@ -59,15 +59,15 @@ def epochs(body, count, rng, sigma_code=0.3, satellites=6, sigma_phase=0.003):
 
 
 def misfit_by_scipy(b, Q, body):
-    """Return the least squared distance of baselines b (3k,) from a rotated body, by SciPy's descent from 40 rotations."""
-    W = np.linalg.inv(Q)
+    """Return the least squared distance of baselines b (3k,) from a rotated body, by SciPy's Levenberg-Marquardt from the best 4 of 40 rotations."""
+    half = np.linalg.inv(np.linalg.cholesky(Q))  # |half x|^2 = x' Q^-1 x
+    turned = np.einsum("sij,kj->ski", STARTS.as_matrix(), body).reshape(len(STARTS), -1)
+    promising = np.argsort(np.sum(((b - turned) @ half.T) ** 2, axis=-1))[:4]
 
-    def misfit(theta):
-        off = b - Rotation.from_rotvec(theta).apply(body).ravel()
-        return off @ W @ off
+    def off(theta):
+        return half @ (b - Rotation.from_rotvec(theta).apply(body).ravel())
 
-    promising = sorted(STARTS, key=misfit)[:6]
-    return min(minimize(misfit, start, method="BFGS", options={"gtol": 1e-8}).fun for start in promising)
+    return min(2.0 * least_squares(off, STARTS[i].as_rotvec(), xtol=1e-12).cost for i in promising)
 
 
 def exhaustively(solution, body, n_best, bound):
@@ -90,7 +90,7 @@ def exhaustively(solution, body, n_best, bound):
     return a[order], costs[order]
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(cases)
 def test_equals_looking_at_every_vector(case):
     solution, body, _ = problem(*case)
