@@ -1,55 +1,13 @@
 """Lab of the spectrum: corners, presets, the fall after the third, and what decorrelation saves."""
 
-import itertools
-
 import numpy as np
 import pytest
 
 from gnsslab.core.integers import adop, decorrelate, success_bounds, success_rate
 from gnsslab.labs.skies import open_sky
-from gnsslab.labs.spectrum import CONTROLS, NODE_LIMIT, SEARCHES, _float_ambiguities, spectrum_lab
+from gnsslab.labs.spectrum import NODE_LIMIT, SEARCHES, _float_ambiguities
 
-
-@pytest.fixture(scope="module")
-def lab():
-    """One lab for all tests."""
-    return spectrum_lab()
-
-
-def _says_something(lab, result):
-    finite = np.isfinite(result.before.sigma).all() and (result.before.sigma > 0).all() and result.adop > 0
-    return finite and len(lab.readouts(result)) == 4 and f"{result.n} conditional standard deviations" in lab.describe(result)
-
-
-@pytest.mark.parametrize("control", CONTROLS, ids=lambda c: c.name)
-def test_each_corner_computes(lab, control):
-    for value in control.corners:
-        assert _says_something(lab, lab.run(**{control.name: value})), f"{control.name} = {value}"
-
-
-def test_corners_of_several_controls_at_once(lab):
-    corners = {
-        "sats": (5, 11),
-        "bands": (1, 3),
-        "code": (0.1, 1),
-        "carrier": (1, 10),
-        "together": (1, 60),
-        "lowest": (5, 30),
-        "decorrelated": (True, False),
-    }
-    for values in itertools.product(*corners.values()):
-        assert _says_something(lab, lab.run(**dict(zip(corners, values, strict=True)))), values
-
-
-def test_pictures_can_be_drawn_at_every_preset(lab):
-    from gnsslab.figures.kept import KeptPicture
-
-    pictures = [KeptPicture(d.build, d.width, d.height, sharpness=0.5) for d in lab.drawings()]
-    for preset in lab.presets:
-        result = lab.run(**preset.settings)
-        for picture in pictures:
-            assert picture.png(result).startswith(b"\x89PNG")
-        assert all(len(column) == result.n for column in lab.table(result).values())
+LAB = "spectrum"
 
 
 @pytest.mark.parametrize("sats", [5, 8, 11])
@@ -112,23 +70,6 @@ def test_a_search_that_was_stopped_is_said(lab):
     result = lab.run(**lab.preset("thirty").settings)
     assert (result.before.nodes <= NODE_LIMIT).all()
     assert f"{result.before.stopped} of {SEARCHES} stopped at 500" in str(lab.readouts(result))
-
-
-def test_same_settings_same_answer(lab):
-    one, two = lab.run(draw=7), spectrum_lab().run(draw=7)
-    np.testing.assert_array_equal(one.before.nodes, two.before.nodes)
-    np.testing.assert_array_equal(one.after.sigma, two.after.sigma)
-    assert not np.array_equal(one.before.nodes, lab.run(draw=8).before.nodes)
-
-
-def test_every_control_has_an_effect(lab):
-    def told(result):
-        return [r.value for r in lab.readouts(result) if r.label != "Time"], lab.describe(result)
-
-    start = told(lab.run())
-    for control in CONTROLS:
-        others = [value for value in control.corners if value != lab.defaults[control.name]]
-        assert all(told(lab.run(**{control.name: value})) != start for value in others), control.name
 
 
 def test_few_satellites_above_the_mask_are_said(lab):

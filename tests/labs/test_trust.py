@@ -12,16 +12,11 @@ from gnsslab.gnss.differences import difference_operator
 from gnsslab.gnss.short_baseline import short_baseline_model
 from gnsslab.gnss.signals import wavelength
 from gnsslab.labs.skies import open_sky
-from gnsslab.labs.trust import BIASED, CONTROLS, FIVE, PRESETS, claims, projections, trust_lab
+from gnsslab.labs.trust import BIASED, FIVE, PRESETS, claims, projections
 from gnsslab.simulate.receivers import white_factor
 
+LAB = "trust"
 FEW = {"samples": 1000}
-
-
-@pytest.fixture(scope="module")
-def lab():
-    """One lab for all tests."""
-    return trust_lab()
 
 
 @pytest.fixture(scope="module")
@@ -30,52 +25,18 @@ def at_presets(lab):
     return {p.name: lab.run(**p.settings) for p in lab.presets}
 
 
-def _numbers(readouts):
-    return [float(r.value) for r in readouts]
-
-
-def _says_something(lab, result):
-    """Four finite readouts, shares that add up, and a picture in words."""
-    total = [sum(judged.shares) for judged in result.judged]
-    words = lab.describe(result)
-    return (
-        np.isfinite(_numbers(lab.readouts(result))).all()
-        and len(lab.readouts(result)) == 4
-        and np.allclose(total, 1)
-        and np.isfinite(result.statistic).all()
-        and f"{len(result.is_right)} epochs" in words
-        and "nan" not in words
-    )
-
-
-@pytest.mark.parametrize("control", CONTROLS, ids=lambda control: control.name)
-def test_each_corner_computes(lab, control):
-    for value in control.corners:
-        assert _says_something(lab, lab.run(**{control.name: value})), f"{control.name} = {value}"
-
-
-def test_corners_of_several_controls_at_once(lab):
-    corners = {
-        "test": ("ratio", "tolerated", "difference", "projector"), "written": ("right", "upside-down", "mixed"), "satellites": (5, 9),
-        "frequencies": (1, 2), "code_noise": (0.1, 1), "code_bias": (0, 5),
-    }  # fmt: skip
-    for values in itertools.product(*corners.values()):
-        assert _says_something(lab, lab.run(**FEW, **dict(zip(corners, values, strict=True)))), values
-
-
 def test_best_and_worst_model_compute(lab):
     best = {"satellites": 9, "frequencies": 3, "code_noise": 0.1, "carrier_noise": 1, "epochs": 20}
     worst = {"satellites": 9, "frequencies": 3, "code_noise": 1, "carrier_noise": 10, "code_bias": 5, "carrier_bias": 40}
     hopeless = {"satellites": 5, "frequencies": 1, "code_noise": 1, "carrier_noise": 10, "code_bias": 5, "carrier_bias": 40}
     for settings in (best, worst, hopeless):
-        assert _says_something(lab, lab.run(**FEW, **settings))
+        result = lab.run(**FEW, **settings)
+        assert np.isfinite([float(readout.value) for readout in lab.readouts(result)]).all()
+        assert np.isfinite(result.statistic).all()
+        assert np.allclose([sum(judged.shares) for judged in result.judged], 1)
+        assert "nan" not in lab.describe(result)
     assert lab.run(**FEW, **best).counted.rate == 1
     assert lab.run(**FEW, **hopeless).counted.rate < 0.05
-
-
-def test_presets_are_within_range_and_told_apart(lab):
-    assert len({preset.name for preset in PRESETS}) == len({preset.label for preset in PRESETS}) == len(PRESETS) >= 6
-    assert all(lab.settings(**preset.settings) for preset in PRESETS)
 
 
 # --- the model and the count
@@ -328,25 +289,6 @@ def test_controls_without_effect_say_why(lab):
     assert all(reason.startswith("no effect: ") for test in ("tolerated", "difference") for reason in lab.blocked(lab.settings(test=test)).values())
 
 
-def test_blocked_controls_have_no_effect(lab):
-    for test, name, values in (("tolerated", "threshold", (1, 20)), ("difference", "written", ("right", "mixed"))):
-        one, two = (lab.run(**FEW, test=test, **{name: value}) for value in values)
-        assert one.chosen == two.chosen
-
-
-def test_controls_that_are_not_blocked_have_an_effect(lab):
-    start = str(lab.readouts(lab.run()))
-    for control in CONTROLS:
-        others = [value for value in control.corners if value != control.default]
-        assert all(str(lab.readouts(lab.run(**{control.name: value}))) != start for value in others), control.name
-
-
-def test_same_settings_same_answer_from_another_lab():
-    one, two = (trust_lab().run(**FEW, seed=7).statistic for _ in range(2))
-    np.testing.assert_array_equal(one, two)
-    assert not np.array_equal(one, trust_lab().run(**FEW, seed=8).statistic)
-
-
 def test_moving_back_brings_the_same_numbers(lab):
     before = lab.readouts(lab.run(**FEW))
     lab.run(**FEW, threshold=5)
@@ -359,8 +301,3 @@ def test_table_has_a_row_for_each_epoch(lab):
     table = lab.table(result)
     assert {len(column) for column in table.values()} == {1000}
     assert np.mean(table["is_fixed"] & ~table["is_right"]) == pytest.approx(result.chosen.shares.fixed_wrong)
-
-
-def test_settings_out_of_range_are_refused_in_words(lab):
-    with pytest.raises(ValueError, match="Code noise 9 m is outside"):
-        lab.run(code_noise=9)
