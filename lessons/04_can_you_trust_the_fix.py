@@ -183,7 +183,7 @@ def _(mo):
 
     **Counting.** Draw $N$ float vectors, fix each, and count the right ones. The count has an error of its own, $\sqrt{P_s (1 - P_s) / N}$. With 10 000 epochs a rate of 90 % is good to 0.3 %.
 
-    All three ask the *model*. If a reflection moves $\hat a$ by half a cycle, they do not see it. Only the measurements could tell, and with few satellites not even they can.
+    All of them ask the *model*. If a reflection moves $\hat a$ by half a cycle, they do not see it. Only the measurements could tell, and with few satellites not even they can.
 
     ### What a test decides
 
