@@ -1,7 +1,13 @@
 """`python -m gnsslab` is the command `gnsslab`."""
 
-import sys
-
 from gnsslab.cli import main
+from gnsslab.teaching.ending import end_process
 
-sys.exit(main())
+
+def run():
+    """Run the command line and end the process."""
+    end_process(main())
+
+
+if __name__ == "__main__":
+    run()

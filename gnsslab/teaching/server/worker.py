@@ -6,6 +6,7 @@ When the line is closed the worker ends: so it never outlives the front.
 
 import os
 
+from gnsslab.teaching.ending import end_process
 from gnsslab.teaching.server.handing import HandedOver, orders_from
 from gnsslab.teaching.server.seats import Seat, Usher
 from gnsslab.teaching.server.serving import course_server
@@ -24,3 +25,4 @@ def main():
 
 if __name__ == "__main__":
     main()
+    end_process(0)
