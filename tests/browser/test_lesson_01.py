@@ -7,10 +7,6 @@ import pytest
 
 from gnsslab.teaching.catalogue import find_lesson
 
-SLIDERS = {
-    "signal": ("Satellite near elevation", "Code noise", "Multipath", "Cycle slip on L1", "Cycle slip on L2", "Slip after", "Carrier noise", "Seed"),
-    "sky": ("Time of day", "Latitude", "Elevation mask", "Multipath", "Code noise", "Seed"),
-}
 LABS = find_lesson("01").open_labs()
 PATIENCE = 60_000  # [ms], the very first load compiles kernels
 
@@ -22,7 +18,7 @@ def lesson(visit):
     def open_lesson(path="/lesson/01/", **how):
         page = visit(path, **how)
         page.get_by_role("radio", name="100 times or more").click(timeout=PATIENCE)
-        for lab in SLIDERS:
+        for lab in LABS:
             _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
         return page
 
@@ -60,24 +56,6 @@ def _slider(page, lab, name):
     return _stage(page, lab).get_by_role("slider", name=name)
 
 
-@pytest.mark.parametrize("lab", SLIDERS)
-def test_each_slider_changes_what_its_lab_shows(lesson, lab):
-    page = lesson()
-    other = next(name for name in SLIDERS if name != lab)
-    untouched = _shown(page, other)
-    _stage(page, lab).get_by_text("more", exact=True).click()
-    if lab == "signal":  # without a slip its place has no effect
-        before = _shown(page, lab)
-        _slider(page, lab, "Cycle slip on L1").press("ArrowRight")
-        _await_change(page, lab, before)
-    for name in SLIDERS[lab]:
-        for key in ("End", "Home"):
-            before = _shown(page, lab)
-            _slider(page, lab, name).press(key)
-            _await_change(page, lab, before)
-    assert _shown(page, other) == untouched
-
-
 def test_a_slip_by_button(lesson):
     page = lesson()
     before = _shown(page, "signal")
@@ -106,7 +84,7 @@ def test_a_hidden_slip_reaches_the_goal(lesson):
     page.locator(".gl-reached").get_by_text("a slip of 1 cycle is missed").wait_for(timeout=PATIENCE)
 
 
-@pytest.mark.parametrize("lab", SLIDERS)
+@pytest.mark.parametrize("lab", LABS)
 def test_the_data_that_travel_along(lesson, lab):
     page = lesson()
     before = _shown(page, lab)
@@ -132,7 +110,7 @@ def test_own_files_by_upload(lesson, tmp_path):
 
     write_simulation(tmp_path, simulate(find_preset("static-baseline"), np.random.default_rng(3)))
     page = lesson()
-    for lab in SLIDERS:
+    for lab in LABS:
         stage = _stage(page, lab)
         stage.get_by_role("combobox", name="Data").select_option(label="my files")
         stage.get_by_text("your observation and navigation files are missing").wait_for(timeout=PATIENCE)
@@ -150,15 +128,3 @@ def test_a_wrong_answer_and_a_right_one(lesson):
         field.fill(typed)
         sheet.get_by_role("button", name="Check").click()
         page.locator(".gl-answer").filter(has_text=words).first.wait_for(timeout=PATIENCE)
-
-
-@pytest.mark.parametrize("width", [390, 1280])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_overflows_and_the_theme_is_followed(lesson, width, scheme):
-    page = lesson(width=width, scheme=scheme)
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
-    widest = page.evaluate(
-        "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(e => e.getBoundingClientRect().right))"
-    )
-    assert widest <= width
-    assert page.evaluate("document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')") == (scheme == "dark")

@@ -5,7 +5,7 @@ import time
 import pytest
 
 PATIENCE = 60_000  # [ms], the very first load compiles kernels
-SLIDERS = {"cancelling": ("Baseline length", "Rover's clock error", "Seed"), "correlation": ("Satellites", "Code noise", "Carrier noise", "Seed")}
+LABS = ("cancelling", "correlation")
 
 
 @pytest.fixture
@@ -15,7 +15,7 @@ def lesson(visit):
     def open_lesson(query="", **how):
         page = visit(f"/lesson/02/{query}", **how)
         page.get_by_role("radio", name="decimetres").click(timeout=PATIENCE)
-        for lab in SLIDERS:
+        for lab in LABS:
             _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
         return page
 
@@ -36,17 +36,6 @@ def _await_change(page, lab, before):
         assert time.monotonic() < deadline, "nothing changed"
         page.wait_for_timeout(20)
     return _readouts(page, lab)
-
-
-@pytest.mark.parametrize("lab", SLIDERS)
-def test_each_slider_changes_the_readouts(lesson, lab):
-    page = lesson()
-    _stage(page, lab).get_by_text("more", exact=True).click()
-    for name in SLIDERS[lab]:
-        for key in ("Home", "End") if name == "Satellites" else ("End", "Home"):
-            before = _readouts(page, lab)
-            _stage(page, lab).get_by_role("slider", name=name).press(key)
-            _await_change(page, lab, before)
 
 
 def test_a_preset_by_its_button(lesson):
@@ -105,20 +94,3 @@ def test_a_wrong_and_a_right_answer_get_the_right_word(lesson):
 def test_goal_is_reached_live(lesson):
     page = lesson("?lab=cancelling&length=5&rover_clock=0.5&satellite=high")
     page.locator(".gl-reached").get_by_text("Reached.").wait_for(timeout=PATIENCE)
-
-
-@pytest.mark.parametrize("width", [390, 1280])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_overflows(lesson, width, scheme):
-    page = lesson(width=width, scheme=scheme)
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
-    widest = page.evaluate(
-        "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(e => e.getBoundingClientRect().right))"
-    )
-    assert widest <= width
-
-
-def test_pictures_have_words(lesson):
-    page = lesson()
-    for lab, words in (("cancelling", "over 300 epochs"), ("correlation", "4 on the diagonal and 2 beside it as the solver believes")):
-        assert words in _stage(page, lab).locator(".gl-pictures img").first.get_attribute("alt")

@@ -1,0 +1,92 @@
+"""What every lesson keeps to in a real browser: a prediction opens its labs, which fit the screen, have words, and follow their sliders."""
+
+import re
+import time
+
+import pytest
+
+from gnsslab.labs.controls import Slider
+from gnsslab.teaching.catalogue import LESSONS
+
+PATIENCE = 90_000  # [ms], the very first load compiles kernels
+START = {"01": "?lab=signal&slip_cycles=1"}  # without a slip its place has no effect
+LEFT_LOW = {"mask_deg", "mask", "lowest"}  # a high mask leaves nothing for the other sliders to change
+each_lesson = pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.number)
+
+
+@pytest.fixture
+def open_lesson(visit):
+    """A function that opens a lesson, sees that its first lab waits for a prediction, predicts, and waits for all its labs."""
+
+    def opened(lesson, query="", **how):
+        page = visit(lesson.address + query, **how)
+        page.get_by_role("heading", name=lesson.title).wait_for(timeout=PATIENCE)
+        page.get_by_text("Choose an answer above to open the lab").first.wait_for(timeout=PATIENCE)
+        assert _stage(page, next(iter(lesson.open_labs()))).locator(".gl-pictures").count() == 0
+        page.get_by_role("radio", name=lesson.exercises.PREDICTION.options[-1], exact=True).click(timeout=PATIENCE)
+        for name in lesson.open_labs():
+            _stage(page, name).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+        return page
+
+    return opened
+
+
+def _stage(page, lab):
+    return page.locator(f'.gl-stage[data-lab="{lab}"]')
+
+
+@each_lesson
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_overflows_the_theme_is_followed_and_pictures_have_words(open_lesson, lesson, width, scheme):
+    page = open_lesson(lesson, width=width, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    parts = "document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')"
+    assert page.evaluate(f"Math.max(...[...{parts}].map(part => part.getBoundingClientRect().right))") <= width
+    assert page.evaluate("document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')") == (scheme == "dark")
+    for name, lab in lesson.open_labs().items():
+        first, *others = [picture.get_attribute("alt") for picture in _stage(page, name).locator(".gl-pictures img").all()]
+        assert len(others) == len(lab.drawings()) - 1
+        assert first == lab.describe(lab.run())
+        assert not any(others)  # the first has the words for all
+
+
+@each_lesson
+def test_each_slider_changes_what_its_lab_shows(open_lesson, dataset, lesson):
+    if lesson.number == "04":  # one of its labs begins with real data
+        dataset("matrtklib-static")
+    page = open_lesson(lesson, START.get(lesson.number, ""))
+    for name, lab in lesson.open_labs().items():
+        if any(control.more for control in lab.controls):
+            _stage(page, name).get_by_text("more", exact=True).click()
+        untouched = {other: _shown(page, other) for other in lesson.open_labs() if other != name}
+        blocked = lab.blocked(lab.settings())
+        for control in lab.controls:
+            if isinstance(control, Slider):
+                _press_to_both_ends(page, name, control, control.name in blocked)
+        assert {other: _shown(page, other) for other in untouched} == untouched
+
+
+def _press_to_both_ends(page, lab, control, is_blocked):
+    slider = _stage(page, lab).get_by_role("slider", name=re.compile(f"^{re.escape(control.label)}")).first
+    assert (slider.get_attribute("data-disabled") is not None) == is_blocked, f"{lab}: {control.name}"
+    if is_blocked:
+        return
+    is_at_home = slider.get_attribute("aria-valuenow") == slider.get_attribute("aria-valuemin")
+    for key in ("End", "Home") if is_at_home or control.name in LEFT_LOW else ("Home", "End"):
+        before = _shown(page, lab)
+        slider.press(key)
+        _await_change(page, lab, before, f"{lab}: {control.name} to {key}")
+
+
+def _shown(page, lab):
+    """Return readouts, problem and pictures of a lab, all of one moment."""
+    parts = ", ".join(f'.gl-stage[data-lab="{lab}"] .gl-{part}' for part in ("readouts", "problem", "pictures img"))
+    return page.evaluate("parts => [...document.querySelectorAll(parts)].map(part => part.src ?? part.innerText).join(' ')", parts)
+
+
+def _await_change(page, lab, before, move):
+    deadline = time.monotonic() + PATIENCE / 1000
+    while _shown(page, lab) in (before, ""):
+        assert time.monotonic() < deadline, f"nothing changed, {move}"
+        page.wait_for_timeout(20)
