@@ -213,6 +213,11 @@ def _drawn(pictures, result):
     return shots
 
 
+def test_no_lab_is_left_out():
+    assert set(ANSWERS) == set(LABS)
+    assert set(TOGETHER) == set(LABS) - {"printed"}
+
+
 # --- one control at a time, and several
 
 
