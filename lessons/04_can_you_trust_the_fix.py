@@ -35,7 +35,7 @@ def _(mo):
     Nothing was broken. The receivers were good, the sky was open, the test was the one that nearly every program uses. This lesson is about the question that
     the software did not ask: how often is such a fix right? You can know that before you measure anything.
 
-    It is a long lesson, best in two sittings of less than an hour. The first ends before *Not all, not none*.
+    It is a long lesson, best in two sittings of three quarters of an hour. The first ends before *Not all, not none*.
     """)
     return
 

@@ -106,7 +106,7 @@ LESSONS = (
         "04_can_you_trust_the_fix.py",
         "Can you trust the fix?",
         "A fix passes the test with a ratio of ten, and is a third of a metre off. How often is that so, and what is better than yes or no?",
-        100,
+        90,
         "lesson 03",
         (
             "say how often a fix will be right before you measure, and count whether it was",
