@@ -9,12 +9,18 @@ import io
 import json
 import os
 import re
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
 
 from gnsslab import __version__
 from gnsslab.teaching.spreadsheets import harmless
+
+try:
+    import fcntl
+except ImportError:  # Windows, where one process serves the course
+    fcntl = None
 
 KINDS = ("prediction", "question", "goal")
 BROWSER_ID = re.compile(r"[0-9a-z][0-9a-z-]{7,63}")  # it names a file, so nothing else may stand in it
@@ -183,10 +189,18 @@ def _append_lines(path, lines):
     """Add lines and wait until the disk has them. One write, at the end of the file: two processes do not tear each other's lines."""
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     with open(path, "ab+") as file:
+        _wait_for_others(file)
         text = ("" if _ends_whole(file) else "\n") + "".join(f"{line}\n" for line in lines)
         file.write(text.encode("utf-8"))
         file.flush()
         os.fsync(file.fileno())
+
+
+def _wait_for_others(file):
+    """Keep other processes from the file until it is closed: a line that is half written looks like one that a crash has torn."""
+    if fcntl is not None:
+        with suppress(OSError):  # a file system without locks: at worst an empty line, which readers pass over
+            fcntl.flock(file, fcntl.LOCK_EX)
 
 
 def _ends_whole(file):
