@@ -219,7 +219,7 @@ def simulated(n, failure_rate_of_least_squares):
         middle = math.sqrt(low * high)
         fails = 1 - simulate_success(middle * Q, np.random.default_rng(5), samples).rate
         low, high = (low, middle) if fails > failure_rate_of_least_squares else (middle, high)
-    return simulate_fixes(math.sqrt(low * high) * Q, np.random.default_rng(6), 20_000 if n == 20 else 50_000)  # one of 20 takes 0.1 ms
+    return simulate_fixes(math.sqrt(low * high) * Q, np.random.default_rng(6), 50_000)
 
 
 def compared(failure_rate, rate_of_least_squares, n, mu):

@@ -90,7 +90,7 @@ def exhaustively(solution, body, n_best, bound):
     return a[order], costs[order]
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(cases)
 def test_equals_looking_at_every_vector(case):
     solution, body, _ = problem(*case)
