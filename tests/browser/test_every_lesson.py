@@ -1,5 +1,6 @@
 """What every lesson keeps to in a real browser: a prediction opens its labs, which fit the screen, have words, and follow their sliders."""
 
+import itertools
 import re
 import time
 
@@ -35,14 +36,19 @@ def _stage(page, lab):
     return page.locator(f'.gl-stage[data-lab="{lab}"]')
 
 
+IS_DARK = "document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')"
+WIDEST = "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(part => part.getBoundingClientRect().right))"
+
+
 @each_lesson
-@pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1280, "light")])  # the scheme changes no width
-def test_nothing_overflows_the_theme_is_followed_and_pictures_have_words(open_lesson, lesson, width, scheme):
-    page = open_lesson(lesson, width=width, scheme=scheme)
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
-    parts = "document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')"
-    assert page.evaluate(f"Math.max(...[...{parts}].map(part => part.getBoundingClientRect().right))") <= width
-    assert page.evaluate("document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')") == (scheme == "dark")
+def test_nothing_overflows_the_theme_is_followed_and_pictures_have_words(open_lesson, lesson):
+    page = open_lesson(lesson)
+    for width, scheme in itertools.product((1280, 390), ("light", "dark")):
+        page.set_viewport_size({"width": width, "height": 900})
+        page.emulate_media(color_scheme=scheme)
+        page.wait_for_function(f"({IS_DARK}) === {str(scheme == 'dark').lower()}", timeout=PATIENCE)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width, (width, scheme)
+        assert page.evaluate(WIDEST) <= width, (width, scheme)
     for name, lab in lesson.open_labs().items():
         first, *others = [picture.get_attribute("alt") for picture in _stage(page, name).locator(".gl-pictures img").all()]
         assert len(others) == len(lab.drawings()) - 1
