@@ -12,6 +12,9 @@ from gnsslab.teaching.catalogue import LESSONS
 PATIENCE = 90_000  # [ms], the very first load compiles kernels
 START = {"01": "?lab=signal&slip_cycles=1"}  # without a slip its place has no effect
 LEFT_LOW = {"mask_deg", "mask", "lowest"}  # a high mask leaves nothing for the other sliders to change
+IS_DARK = "document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')"
+PARTS = ".gl-pictures, .gl-controls, .gl-readouts, .gl-head"
+WIDEST = f"Math.max(...[...document.querySelectorAll('{PARTS}')].map(part => part.getBoundingClientRect().right))"
 each_lesson = pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.number)
 
 
@@ -34,10 +37,6 @@ def open_lesson(visit):
 
 def _stage(page, lab):
     return page.locator(f'.gl-stage[data-lab="{lab}"]')
-
-
-IS_DARK = "document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')"
-WIDEST = "Math.max(...[...document.querySelectorAll('.gl-pictures, .gl-controls, .gl-readouts, .gl-head')].map(part => part.getBoundingClientRect().right))"
 
 
 @each_lesson
