@@ -54,7 +54,7 @@ def _cache_folder():
 
     base = os.environ.get("NUMBA_CACHE_DIR") or AppDirs("gnsslab", appauthor=False).user_cache_dir
     package = Path(__file__).parents[1]
-    texts = [path.read_bytes() for path in sorted([*package.glob("core/**/*.py"), *package.glob("gnss/*.py")])]
+    texts = [path.read_bytes() for folder in ("core", "gnss", "systems") for path in sorted(package.glob(f"{folder}/**/*.py"))]
     key = hashlib.sha256(b"".join(text for text in texts if b"@kernel" in text)).hexdigest()[:16]
     return str(Path(base) / f"kernels-{key}")
 

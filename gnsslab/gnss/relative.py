@@ -4,27 +4,22 @@ Observations of two receivers -> Pair (common epochs and channels) -> Model (ran
 The master may stand on known ground or move along (moving base): only its own position array differs.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
-from functools import partial
 
 import numpy as np
 
-from gnsslab.gnss import motion
 from gnsslab.gnss.blocks import run_blocks
-from gnsslab.gnss.differences import pair_receivers
 from gnsslab.gnss.frames import enu_rotation
-from gnsslab.gnss.modelling import build_model
 from gnsslab.gnss.points import solve_points, solve_positions
-from gnsslab.gnss.signals import USED_SYSTEMS
+from gnsslab.gnss.preparation import Settings, path_of, prepare, prepare_moving, without_gaps
 from gnsslab.gnss.times import usual_step
-from gnsslab.gnss.weighting import NoiseModel, inflation_of_mean
+from gnsslab.gnss.weighting import inflation_of_mean
 
 FEWEST_SATELLITES = 4
 ATMOSPHERE = 1e-6  # of the baseline's length, standard deviation on each axis: what ionosphere and troposphere leave in a difference
 LARGEST_SIGMA = 30.0  # [m], of a float baseline: beyond, the codes of the epoch have not determined it
 BASE_MISPLACED = 500.0  # [m] between a base's position and its codes: each 100 m move the rover by up to a millimetre a kilometre
-_POINT_MASK_DEG = 10.0
 _WORST_FIT = 9.0  # carriers with the right integers fit each other within three times their assumed sigma, also those of cheap antennas
 _PRIOR_FREEDOM = 30.0  # epochs of a few satellites: three to ten
 
@@ -35,20 +30,6 @@ class Status(IntEnum):
     NONE = 0
     FLOAT = 1
     FIXED = 2
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What to use and how to weigh it, the same for every kind of relative positioning."""
-
-    systems: str = USED_SYSTEMS
-    frequencies: int = 2  # bands of each system, first ones first (signals.BANDS)
-    signals: tuple[str, ...] | None = None  # RINEX observation codes such as "C2I", in place of `frequencies`
-    mask_deg: float = 15.0
-    single_epoch: bool = False  # nothing is carried from one epoch to the next
-    noise: NoiseModel = field(default_factory=NoiseModel)
-    acceleration: float = 3.0  # [m/s^2 per sqrt(Hz)] of a moving rover, see motion.moving
-    acceptance: float = 16.0  # c of `ratio_threshold`
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +64,7 @@ def solve_relative(base, rover, ephemerides, *, base_position=None, static=False
     base_position = _checked_position(base_position)
     _refuse_misplaced(base_position, base, ephemerides)
     master_ecef = np.broadcast_to(base_position, (len(base.time), 3))
-    return _solve(base, rover, master_ecef, ephemerides, static, settings, progress)
+    return _solve(prepare(base, rover, master_ecef, ephemerides, settings), rover, settings, static, progress)
 
 
 def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
@@ -93,8 +74,7 @@ def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
     l / 20 000 km only. Options and errors as in `solve_relative`.
     """
     settings = Settings(**settings)
-    found = solve_positions(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
-    return _solve(master, rover, _without_gaps(found), ephemerides, False, settings, progress)
+    return _solve(prepare_moving(master, rover, ephemerides, settings), rover, settings, False, progress)
 
 
 def ratio_threshold(n, acceptance=16.0):
@@ -142,7 +122,7 @@ def station_position(base, ephemerides):
     """
     position = header_position(base)
     if position is None or distance_from_codes(position, base, ephemerides) > BASE_MISPLACED:
-        return _without_gaps(solve_positions(base, ephemerides)).mean(axis=0)
+        return without_gaps(solve_positions(base, ephemerides)).mean(axis=0)
     return position
 
 
@@ -174,38 +154,16 @@ def _refuse_misplaced(position, base, ephemerides):
         raise ValueError(f"the base position is {apart / 1000:.1f} km from where the base's own codes place it: give the right one")
 
 
-def _motion(settings, static):
-    if settings.single_epoch:
-        return motion.forgetful
-    return motion.static if static else partial(motion.moving, acceleration=settings.acceleration)
-
-
-def _solve(master, rover, master_ecef, ephemerides, static, settings, progress):
-    """Return Relative for all epochs of the rover, given the master's position (T_master, 3) at all of its own."""
-    pair = pair_receivers(master, rover, settings.systems, settings.frequencies, settings.signals)
-    letters = "".join(sorted({name[0] for name in pair.satellites}))
-    found = solve_positions(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG), epochs=pair.epoch)
-    master_ecef, rover_ecef = master_ecef[pair.epoch_master], _without_gaps(found)
-    path = _motion(settings, static)(pair.time, rover_ecef - master_ecef)
-    mask = np.radians(settings.mask_deg)
-    model = build_model(pair, master_ecef, rover_ecef, ephemerides, mask, settings.noise, path.forgets)
-    solution = run_blocks(model, path, progress)
+def _solve(prepared, rover, settings, static, progress):
+    """Return Relative for all epochs of the rover from those Prepared."""
+    model = prepared.model
+    solution = run_blocks(model, path_of(prepared, settings, static), progress)
     status = _judged(solution, settings.acceptance)
     is_fixed = status == Status.FIXED
     outcome, factor = solution.outcome, variance_factor(solution.outcome, is_fixed)
     if static and not settings.single_epoch:
-        outcome = running_mean(outcome, is_fixed, usual_step(pair.time), settings.noise)
-    return _relative(rover.time, pair.epoch, master_ecef, outcome, status, factor, solution.satellites)
-
-
-def _without_gaps(found):
-    """Return single-point positions (T, 3), missing epochs taken from the nearest solved one before, else from the first one."""
-    solved = np.isfinite(found.position_ecef[:, 0])
-    if not solved.any():
-        raise ValueError(f"no position at any epoch: {found.main_reason()}")
-    source = np.maximum.accumulate(np.where(solved, np.arange(len(solved)), -1))
-    source[source < 0] = np.argmax(solved)
-    return found.position_ecef[source]
+        outcome = running_mean(outcome, is_fixed, usual_step(model.pair.time), settings.noise)
+    return _relative(rover.time, model.pair.epoch, prepared.master_ecef, outcome, status, factor, solution.satellites)
 
 
 def _judged(solution, acceptance):

@@ -44,7 +44,7 @@ def dual_antenna_attitude(master, rover, ephemerides, *, length=None, length_sig
 
     `length` [m], with `length_sigma` [m], is the known distance between the antennas, entered as one more measurement;
     `mount_heading` [rad] is where the baseline points when the vehicle heads north. `settings` are those of
-    `gnss.relative.Settings`: systems, frequencies or signals, mask_deg, single_epoch...
+    `gnss.preparation.Settings`: systems, frequencies or signals, mask_deg, single_epoch...
     A fixed epoch that the length contradicts becomes float, its baseline as measured: either its integers are wrong or the tape is.
     Raises ValueError without common epochs or satellites, for a length or sigma that is not positive, or where the length
     contradicts most fixed epochs.
