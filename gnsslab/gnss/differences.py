@@ -11,7 +11,7 @@ import numpy as np
 from gnsslab.gnss.dense import signal_arrays
 from gnsslab.gnss.observations import SLIP
 from gnsslab.gnss.signals import BANDS, USED_SYSTEMS, check_systems, tracking_letters, wavelength
-from gnsslab.gnss.times import iso_text
+from gnsslab.gnss.times import iso_text, seconds_between
 
 TAG_TOLERANCE = np.timedelta64(25, "ms")  # two receivers' tags of one epoch differ by their clocks: up to some milliseconds
 
@@ -29,7 +29,7 @@ class Tracks:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """What master and rover measured together: T common epochs, m satellites, c channels, sorted by group."""
+    """What master and rover measured together: T epochs, m satellites, c channels, sorted by group."""
 
     time: np.ndarray  # (T,) datetime64[ns], the rover's tags
     time_master: np.ndarray  # (T,) datetime64[ns]
@@ -91,18 +91,19 @@ def difference_pairs(group, goodness):
     return channel, reference[channel]
 
 
-def pair_receivers(master, rover, systems=USED_SYSTEMS, frequencies=2, signals=None):
+def pair_receivers(master, rover, systems=USED_SYSTEMS, frequencies=2, signals=None, longest_age=0.0):
     """Return the Pair of two receivers' Observations: common epochs by time tag, and on each band of each satellite a signal both track.
 
     `frequencies` counts the bands of each system, in the order of signals.BANDS, leaving out what a receiver lacks; `signals`,
     RINEX observation codes such as "C2I", names them instead. The same tracking letter at both ends is preferred, as it
-    leaves no code bias. Raises ValueError when there is no common epoch or no common satellite, or for a system without orbits.
+    leaves no code bias. With `longest_age` [s] an epoch of the rover's alone is paired with the master's last one, see `paired_epochs`.
+    Raises ValueError when there is no epoch or no satellite to pair, for a system without orbits, or an age below zero.
     """
     check_systems(systems)
-    epoch_master, epoch = common_epochs(master.time, rover.time)
+    epoch_master, epoch = paired_epochs(master.time, rover.time, longest_age)
     if not len(epoch):
         raise ValueError(
-            f"no common epochs (tags within {TAG_TOLERANCE.astype(int)} ms): the master has {_span(master)}, the rover {_span(rover)}; "
+            f"no common epochs ({_tolerated(longest_age)}): the master has {_span(master)}, the rover {_span(rover)}; "
             "give two files of one session, sampled at the same instants"
         )
     channels = _common_channels(master, rover, systems, frequencies, signals)
@@ -147,6 +148,27 @@ def common_epochs(time_a, time_b, tolerance=TAG_TOLERANCE):
     i_b = i_b[apart[i_b] <= tolerance]
     i_a, first = np.unique(nearest[i_b], return_index=True)  # of several near the same epoch the nearest
     return i_a, i_b[first]
+
+
+def paired_epochs(time_master, time_rover, longest_age):
+    """Return index arrays (i_master, i_rover), the rover's increasing: common epochs, and the last master epoch for the rover's others.
+
+    The age of the master's data is the rover's tag minus the master's; those of more than `longest_age` [s] serve no longer, and
+    with 0 the common epochs are all there are. A master epoch may serve several epochs of a faster rover.
+
+    >>> master, rover = np.array([0, 1, 4]), np.array([0, 1, 2, 3, 4])
+    >>> tags = [np.datetime64("2024-01-01", "ns") + t.astype("timedelta64[s]") for t in (master, rover)]
+    >>> [index.tolist() for index in paired_epochs(*tags, longest_age=1.0)]
+    [[0, 1, 1, 2], [0, 1, 2, 4]]
+    """
+    if not 0 <= longest_age < np.inf:
+        raise ValueError(f"the longest age of the master's data must be 0 s (common epochs only) or more, not {longest_age:g}")
+    i_master, i_rover = common_epochs(time_master, time_rover)
+    source = np.searchsorted(time_master, time_rover, side="right") - 1
+    is_served = (source >= 0) & (longest_age > 0)
+    is_served[is_served] = seconds_between(time_rover[is_served], time_master[source[is_served]]) <= longest_age
+    source[i_rover], is_served[i_rover] = i_master, True
+    return source[is_served], np.flatnonzero(is_served)
 
 
 @dataclass(frozen=True)
@@ -230,13 +252,21 @@ def _group_numbers(channels):
 def _tracks(observations, epochs, channels, end):
     *arrays, lli = signal_arrays(observations, [c.satellite for c in channels], [getattr(c, end) for c in channels])
     lli = lli | SLIP * observations.power_failure[:, None].astype(np.uint8)
-    return Tracks(*(array[epochs] for array in arrays), lli[epochs] | _slips_on_the_way(lli, epochs))
+    return Tracks(*(array[epochs] for array in arrays), lli[epochs] & ~np.uint8(SLIP) | _slips_on_the_way(lli, epochs))
 
 
 def _slips_on_the_way(lli, epochs):
-    """Return SLIP (T, c) where a receiver lost lock since the common epoch before, also at epochs that the other one does not have."""
-    since = np.concatenate([[0], epochs[:-1] + 1])
-    return np.bitwise_or.reduceat(lli[: epochs[-1] + 1] & SLIP, since, axis=0)
+    """Return SLIP (T, c) where a receiver lost lock since the paired epoch before, also at epochs that the other one does not have.
+
+    An epoch that serves again has lost nothing since.
+    """
+    losses = np.cumsum(lli & SLIP, axis=0, dtype=np.int32)[epochs]
+    return SLIP * (np.diff(losses, axis=0, prepend=0) > 0).astype(np.uint8)
+
+
+def _tolerated(longest_age):
+    """Return in words how far the tags of two epochs may lie apart."""
+    return f"tags within {TAG_TOLERANCE.astype(int)} ms" + (f", or the master's up to {longest_age:g} s older" if longest_age else "")
 
 
 def _span(observations):

@@ -1,6 +1,7 @@
 """Preparation: two receivers' observations made ready for a filter, whatever filter it is.
 
-Observations of two receivers -> Pair (common epochs and channels) -> Model (ranges, weights, slips), with the master's place.
+Observations of two receivers -> Pair (common epochs and channels) -> Model (ranges, weights, slips), with the master's place,
+its velocity, and how much later the rover measured.
 """
 
 from dataclasses import dataclass, field
@@ -11,8 +12,10 @@ import numpy as np
 from gnsslab.gnss import motion
 from gnsslab.gnss.differences import pair_receivers
 from gnsslab.gnss.modelling import Model, build_model
-from gnsslab.gnss.points import solve_positions
-from gnsslab.gnss.signals import USED_SYSTEMS
+from gnsslab.gnss.points import solve_points, solve_positions
+from gnsslab.gnss.screening import row_medians
+from gnsslab.gnss.signals import SPEED_OF_LIGHT, USED_SYSTEMS
+from gnsslab.gnss.times import seconds_between
 from gnsslab.gnss.weighting import NoiseModel
 
 _POINT_MASK_DEG = 10.0
@@ -30,6 +33,7 @@ class Settings:
     noise: NoiseModel = field(default_factory=NoiseModel)
     acceleration: float = 3.0  # [m/s^2 per sqrt(Hz)] of a moving rover, see motion.moving
     acceptance: float = 16.0  # c of `ratio_threshold`
+    longest_age: float = 0.0  # [s] of a master epoch that serves a later epoch of the rover; 0: common epochs only
 
 
 class Prepared(NamedTuple):
@@ -37,26 +41,43 @@ class Prepared(NamedTuple):
 
     model: Model
     master_ecef: np.ndarray  # (T, 3) [m], where the master was when it measured
+    time_offset: np.ndarray  # (T,) [s], how much later the rover measured than the master; NaN without a usable code
+    velocity_master: np.ndarray  # (T, 3) ECEF [m/s], when it measured; NaN where not known
+    Q_velocity: np.ndarray  # (T, 3, 3) [m^2/s^2], of the master
 
 
 def prepare_moving(master, rover, ephemerides, settings):
-    """Return the Prepared epochs of a master that may move itself: its codes place it, at each epoch anew."""
-    found = solve_positions(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
-    return prepare(master, rover, without_gaps(found), ephemerides, settings)
+    """Return the Prepared epochs of a master that may move itself: its codes place it, at each epoch anew, its Dopplers tell its velocity."""
+    found = solve_points(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
+    prepared = prepare(master, rover, without_gaps(found), ephemerides, settings)
+    used = prepared.model.pair.epoch_master
+    return prepared._replace(velocity_master=found.velocity_ecef[used], Q_velocity=found.Q_velocity[used])
 
 
 def prepare(master, rover, master_ecef, ephemerides, settings):
-    """Return the Prepared epochs, given the master's position (T_master, 3) [m] at all of its own epochs.
+    """Return the Prepared epochs of a master without velocity, given its position (T_master, 3) [m] at all of its own epochs.
 
     Raises ValueError without common epochs or satellites, or where the navigation data are of another day.
     """
-    pair = pair_receivers(master, rover, settings.systems, settings.frequencies, settings.signals)
+    pair = pair_receivers(master, rover, settings.systems, settings.frequencies, settings.signals, settings.longest_age)
     letters = "".join(sorted({name[0] for name in pair.satellites}))
     found = solve_positions(rover, ephemerides, systems=letters, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG), epochs=pair.epoch)
     master_ecef = master_ecef[pair.epoch_master]
     forgets = np.full(len(pair.time), settings.single_epoch)
     model = build_model(pair, master_ecef, without_gaps(found), ephemerides, np.radians(settings.mask_deg), settings.noise, forgets)
-    return Prepared(model, master_ecef)
+    T = len(pair.time)
+    return Prepared(model, master_ecef, time_offset(model), np.zeros((T, 3)), np.zeros((T, 3, 3)))
+
+
+def time_offset(model):
+    """Return t_s - t_m (T,) [s], how much later the rover measured than the master, in true GPS time; NaN without a usable code.
+
+    A receiver stamps t' and measures at t = t' - dt, so t_s - t_m = (t'_s - t'_m) - (dt_s - dt_m). What the codes' difference
+    leaves when all is modelled is c (dt_s - dt_m), within metres: 1e-8 s, in which an aircraft flies 3 um.
+    """
+    pair = model.pair
+    clocks_apart = row_medians(np.where(model.usable, model.code, np.nan)) / SPEED_OF_LIGHT
+    return seconds_between(pair.time, pair.time_master) - clocks_apart
 
 
 def path_of(prepared, settings, static=False):

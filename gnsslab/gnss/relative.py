@@ -4,13 +4,16 @@ Observations of two receivers -> Pair (common epochs and channels) -> Model (ran
 The master may stand on known ground or move along (moving base): only its own position array differs.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import partial
 
 import numpy as np
 
 from gnsslab.gnss.blocks import run_blocks
 from gnsslab.gnss.frames import enu_rotation
+from gnsslab.gnss.known_length import run_with_length
+from gnsslab.gnss.moving_base import at_rover_instants, shift_covariance
 from gnsslab.gnss.points import solve_points, solve_positions
 from gnsslab.gnss.preparation import Settings, path_of, prepare, prepare_moving, without_gaps
 from gnsslab.gnss.times import usual_step
@@ -64,17 +67,25 @@ def solve_relative(base, rover, ephemerides, *, base_position=None, static=False
     base_position = _checked_position(base_position)
     _refuse_misplaced(base_position, base, ephemerides)
     master_ecef = np.broadcast_to(base_position, (len(base.time), 3))
-    return _solve(prepare(base, rover, master_ecef, ephemerides, settings), rover, settings, static, progress)
+    prepared = prepare(base, rover, master_ecef, ephemerides, settings)
+    return _relative(*_solve(prepared, settings, static, progress), prepared, rover.time)
 
 
-def solve_moving(master, rover, ephemerides, *, progress=None, **settings):
+def solve_moving(master, rover, ephemerides, *, length=None, length_sigma=0.005, progress=None, **settings):
     """Return the Relative position of a rover against a master that may move itself (moving base).
 
+    A known `length` [m] of the baseline, with `length_sigma` [m], takes part in the search for the integers (`known_length`).
+
     The master's own position comes from its code at each epoch: an error of 1 m there turns a baseline of length l by
-    l / 20 000 km only. Options and errors as in `solve_relative`.
+    l / 20 000 km only. Baselines are those at the instants when the rover measured (`moving_base.at_rover_instants`), and the
+    error of the master's Doppler velocity is in their covariance. Options and errors as in `solve_relative`.
     """
     settings = Settings(**settings)
-    return _solve(prepare_moving(master, rover, ephemerides, settings), rover, settings, False, progress)
+    prepared = at_rover_instants(prepare_moving(master, rover, ephemerides, settings))
+    relative = _relative(*_solve_with_length(prepared, settings, length, length_sigma, progress), prepared, rover.time)
+    Q_enu = relative.Q_enu.copy()
+    Q_enu[prepared.model.pair.epoch] += shift_covariance(prepared)
+    return replace(relative, Q_enu=Q_enu)
 
 
 def ratio_threshold(n, acceptance=16.0):
@@ -154,31 +165,44 @@ def _refuse_misplaced(position, base, ephemerides):
         raise ValueError(f"the base position is {apart / 1000:.1f} km from where the base's own codes place it: give the right one")
 
 
-def _solve(prepared, rover, settings, static, progress):
-    """Return Relative for all epochs of the rover from those Prepared."""
+def _solve(prepared, settings, static, progress):
+    """Return the Solution of the epochs Prepared, and the Status (T,) of each."""
     model = prepared.model
     solution = run_blocks(model, path_of(prepared, settings, static), progress)
-    status = _judged(solution, settings.acceptance)
-    is_fixed = status == Status.FIXED
-    outcome, factor = solution.outcome, variance_factor(solution.outcome, is_fixed)
+    status = _judged(solution, _believed_by_ratio(solution.outcome, solution.outcome.integers, settings.acceptance))
     if static and not settings.single_epoch:
-        outcome = running_mean(outcome, is_fixed, usual_step(model.pair.time), settings.noise)
-    return _relative(rover.time, model.pair.epoch, prepared.master_ecef, outcome, status, factor, solution.satellites)
+        averaged = running_mean(solution.outcome, status == Status.FIXED, usual_step(model.pair.time), settings.noise)
+        solution = solution._replace(outcome=averaged)
+    return solution, status
 
 
-def _judged(solution, acceptance):
-    """Return the Status (T,) of every common epoch."""
+def _solve_with_length(prepared, settings, length, length_sigma, progress):
+    """Return the same, the baseline's length being known; None where it is not."""
+    if length is None:
+        return _solve(prepared, settings, False, progress)
+    by_ratio = partial(_believed_by_ratio, acceptance=settings.acceptance)
+    solution, is_believed = run_with_length(prepared.model, path_of(prepared, settings), length, length_sigma, by_ratio, progress)
+    return solution, _judged(solution, is_believed)
+
+
+def _believed_by_ratio(outcome, integers, acceptance):
+    """Return at which epochs (T,) the ratio speaks for the best of so many integers, and the carriers fit each other."""
+    return (outcome.ratio >= ratio_threshold(integers, acceptance)) & (outcome.misfit <= _WORST_FIT * (outcome.freedom + 1))
+
+
+def _judged(solution, is_believed):
+    """Return the Status (T,) of every common epoch, given whose integers are believed (T,)."""
     outcome = solution.outcome
-    is_believed = outcome.ratio >= ratio_threshold(outcome.integers, acceptance)
-    is_believed &= outcome.misfit <= _WORST_FIT * (outcome.freedom + 1)
     status = np.where(is_believed, Status.FIXED, Status.FLOAT).astype(np.int8)
     is_vague = np.trace(outcome.Q_float, axis1=1, axis2=2) > LARGEST_SIGMA**2
     status[(solution.satellites < FEWEST_SATELLITES) | (is_vague & ~is_believed)] = Status.NONE
     return status
 
 
-def _relative(time, epoch, master_ecef, outcome, status, factor, satellites):
-    """Return the Relative of all rover epochs (T_all,) from what was found at the common ones (T,), `epoch` (T,) among them."""
+def _relative(solution, status, prepared, time):
+    """Return the Relative of all the rover's epochs `time` (T_all,) from what was found at those Prepared (T,)."""
+    outcome, epoch, master_ecef = solution.outcome, prepared.model.pair.epoch, prepared.master_ecef
+    factor = variance_factor(outcome, status == Status.FIXED)
     is_fixed = (status == Status.FIXED)[:, None]
     baseline = np.where(is_fixed, outcome.baseline_fixed, outcome.baseline_float)
     Q = np.where(is_fixed[..., None], outcome.Q_fixed, outcome.Q_float)
@@ -198,7 +222,7 @@ def _relative(time, epoch, master_ecef, outcome, status, factor, satellites):
         Q_enu=at_all_epochs(factor * R_ne @ Q @ R_ne.swapaxes(-1, -2) + _atmosphere_left(baseline)),
         position_ecef=at_all_epochs(master_ecef + baseline),
         ratio=at_all_epochs(outcome.ratio),
-        satellites=at_all_epochs(satellites, 0),
+        satellites=at_all_epochs(solution.satellites, 0),
     )
 
 
