@@ -10,41 +10,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers import GOOD, fix_groups
-from gnsslab.core.jit import cube, integer_matrix, kernel, kernel_indices, kernel_input, matrix, vector
+from gnsslab.core.integers import GOOD, fix_groups, fix_groups_on_sphere
+from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, vector
 from gnsslab.core.kalman import add_multiple, factor_cholesky, is_consistent, predict, solve_lower, update, worst_outlier
+from gnsslab.gnss.filter_steps import (
+    CODE,
+    PHASE,
+    SIGMA_CODE,
+    SIGMA_PHASE,
+    SLIP,
+    WAVELENGTH,
+    baseline_with_ambiguities,
+    double_difference_ambiguities,
+    innovation,
+    kernel_table,
+    loosen,
+    noise,
+    restart,
+    variances,
+)
 
-SIGMA_NEW_AMBIGUITY = 100.0  # [m], of an ambiguity just opened at carrier minus code: above any multipath of the code
 OUTLIER_SIGMAS = 4.5  # an innocent measurement is set aside once in 150 000 times
 _SINGULAR = 1e-12  # share of the normal matrix left for the last unknown, below which there is none
 _EXCLUDED = 1e6  # factor on the variance of a measurement set aside: it no longer matters
 _NODE_LIMIT = 50_000  # of the integer search; a good epoch needs 10 to 1000, and one that needs more has no clear winner
 _FIXABLE = 0.1  # cycles: the integers of noisier carriers, low or weak, are not sought; one of them would make all the others doubtful
 
-# Inside the kernels an epoch is a table with a row a channel and these columns: few arguments compile fast.
-_CODE, _PHASE, _SIGMA_CODE, _SIGMA_PHASE, _NOVELTY, _SLIP, _WAVELENGTH, _COLUMNS = 3, 4, 5, 6, 7, 8, 9, 10  # 0 to 2: design
 # The filter's results are a row an epoch.
-_FLOAT, _FIXED, _RATIO, _RESTARTED, _MISFIT, _FREEDOM, _INTEGERS, _RESULTS = 0, 12, 24, 25, 26, 27, 28, 29
-
-
-class Block(NamedTuple):
-    """T consecutive epochs with the same k channels; d double differences; p states of motion."""
-
-    F: np.ndarray  # (T, p, p) transition of baseline and velocity from the epoch before
-    Q: np.ndarray  # (T, p, p) its process noise covariance
-    offset: np.ndarray  # (T, p)
-    near: np.ndarray  # (T, 3) [m], baseline about which ranges are linearised: metres from the truth is near enough
-    design: np.ndarray  # (T, k, 3), change of a channel's single difference with the baseline
-    code: np.ndarray  # (T, k) [m], single difference, measured minus modelled at `near`
-    phase: np.ndarray  # (T, k) [m], the same of the carrier; wavelength times ambiguity is left in it
-    sigma_code: np.ndarray  # (T, k) [m], of the single difference
-    sigma_phase: np.ndarray  # (T, k) [m]
-    novelty: np.ndarray  # (T, k) 0 to 1, share of a measurement's information that earlier ones have not given yet
-    slip: np.ndarray  # (T, k) 1 where the ambiguity starts anew, else 0
-    drift: np.ndarray  # (T,) [m^2], variance that every ambiguity gains since the epoch before
-    wavelength: np.ndarray  # (k,) [m]
-    channel: np.ndarray  # (d,) int, a double difference is this channel
-    reference: np.ndarray  # (d,) int, minus this one
+_FLOAT, _FIXED, _RATIO, _RESTARTED, _MISFIT, _FREEDOM, _INTEGERS, _COST, _RESULTS = 0, 12, 24, 25, 26, 27, 28, 29, 30
 
 
 class Outcome(NamedTuple):
@@ -59,23 +52,19 @@ class Outcome(NamedTuple):
     misfit: np.ndarray  # (T,) weighted sum of squared carrier residuals of the fixed solution
     freedom: np.ndarray  # (T,) what the misfit is expected to be if the sigmas are right
     integers: np.ndarray  # (T,) how many integers were sought
+    cost: np.ndarray  # (T,) squared norm of the best integers, what the length costs included where it is known
 
 
-def filter_block(x, P, block):
+def filter_block(x, P, block, length=0.0, length_sigma=0.0):
     """Run one block from state x (n,), P (n, n); return x, P after its last epoch and the Outcome.
 
-    The first k ambiguity states belong to the block's channels; any further ones are carried along untouched.
+    The first k ambiguity states belong to the block's channels; any further ones are carried along untouched. A known
+    `length` [m] (0: none) takes part in the search for the integers, and nowhere else (C-LAMBDA); its sigma widens the sphere.
     """
-    T, k = block.code.shape
-    table = np.empty((T, k, _COLUMNS))
-    measured = (block.code, block.phase, block.sigma_code, block.sigma_phase, block.novelty, block.slip, block.wavelength)
-    table[:, :, :3] = block.design
-    for column, values in enumerate(measured, 3):
-        table[:, :, column] = values
-    pairs = kernel_indices(np.column_stack([block.channel, block.reference]))
+    table, pairs = kernel_table(block)
     x, P = kernel_input(np.array(x)), kernel_input(np.array(P))  # copies: the kernel works in place
     motion = (kernel_input(values) for values in (block.F, block.Q, block.offset, block.drift, block.near))
-    rows = np.asarray(_filter_epochs(x, P, *motion, kernel_input(table), pairs))
+    rows = np.asarray(_filter_epochs(x, P, *motion, table, pairs, float(length), float(length_sigma)))
     return np.asarray(x), np.asarray(P), _outcome(rows)
 
 
@@ -86,26 +75,19 @@ def _outcome(rows):
 
 
 @kernel
-def _filter_epochs(x, P, F, Q, offset, drift, near, table, pairs):
-    """Move x, P through T epochs, in place; return a row of results an epoch (T, 29)."""
+def _filter_epochs(x, P, F, Q, offset, drift, near, table, pairs, length, length_sigma):
+    """Move x, P through T epochs, in place; return a row of results an epoch (T, 30)."""
     rows = matrix(len(table), _RESULTS)
     p = len(offset[0])
     for t in range(len(table)):
         channels, row = table[t], rows[t]
         predict(x, P, F[t], Q[t], offset[t])
-        _loosen(P, p, channels, drift[t])
+        loosen(P, p, channels, drift[t])
         _update_by_code(x, P, p, channels, pairs, near[t])
         row[_RESTARTED] = _update_by_phase(x, P, p, channels, pairs, near[t])
         _copy_baseline(x, P, row)
-        row[_RATIO] = _fix(x, P, p, channels, _fixable(channels, pairs), near[t], row)
+        row[_RATIO] = _fix(x, P, p, channels, _fixable(channels, pairs), near[t], length, length_sigma, row)
     return rows
-
-
-@kernel
-def _loosen(P, p, channels, drift):
-    """Let the ambiguities drift by a variance [m^2], in place."""
-    for i in range(len(channels)):
-        P[p + i][p + i] += drift / channels[i][_WAVELENGTH] ** 2
 
 
 @kernel
@@ -121,9 +103,9 @@ def _copy_baseline(x, P, row):
 def _update_by_code(x, P, p, channels, pairs, near):
     """Update x, P by an epoch's codes, in place; a code that the others contradict is set aside for this epoch."""
     k = len(channels)
-    variance = _variances(channels, _SIGMA_CODE, True)
+    variance = variances(channels, SIGMA_CODE, True)
     for most_left in range(k // 3, -1, -1):
-        C, W = _innovation(x, P, p, channels, pairs, near, variance, _CODE)
+        C, W = innovation(x, P, p, channels, pairs, near, variance, CODE)
         worst = _outlying_channel(C, W, pairs, k)
         if worst < 0 or most_left == 0:
             break
@@ -138,10 +120,10 @@ def _update_by_phase(x, P, p, channels, pairs, near):
     Slips are looked for at the carriers' full precision; the update itself believes them only as far as they are news.
     """
     for i in range(len(channels)):
-        if channels[i][_SLIP] != 0.0:
-            _restart(x, P, p, channels, i)
+        if channels[i][SLIP] != 0.0:
+            restart(x, P, p, channels, i)
     restarted = _restart_slipped(x, P, p, channels, pairs, near)
-    _, W = _innovation(x, P, p, channels, pairs, near, _variances(channels, _SIGMA_PHASE, True), _PHASE)
+    _, W = innovation(x, P, p, channels, pairs, near, variances(channels, SIGMA_PHASE, True), PHASE)
     update(x, P, W)
     return restarted
 
@@ -150,77 +132,15 @@ def _update_by_phase(x, P, p, channels, pairs, near):
 def _restart_slipped(x, P, p, channels, pairs, near):
     """Restart the ambiguities that the carriers contradict, the worst first, in place; return how many."""
     k = len(channels)
-    variance, restarted = _variances(channels, _SIGMA_PHASE, False), vector(k)
+    variance, restarted = variances(channels, SIGMA_PHASE, False), vector(k)
     for _ in range(k // 3):
-        C, W = _innovation(x, P, p, channels, pairs, near, variance, _PHASE)
+        C, W = innovation(x, P, p, channels, pairs, near, variance, PHASE)
         worst = _outlying_channel(C, W, pairs, k)
         if worst < 0 or restarted[worst] > 0:
             break
         restarted[worst] = 1.0
-        _restart(x, P, p, channels, worst)
+        restart(x, P, p, channels, worst)
     return sum(restarted)
-
-
-@kernel
-def _variances(channels, column, for_filter):
-    """Return the squares (k,) of a column of sigmas, for the filter enlarged where the measurement tells little new."""
-    variance = vector(len(channels))
-    for i in range(len(channels)):
-        variance[i] = channels[i][column] ** 2 / (channels[i][_NOVELTY] if for_filter else 1.0)
-    return variance
-
-
-@kernel
-def _restart(x, P, p, channels, i):
-    """Open the ambiguity of channel i anew at carrier minus code, in place: a wide prior, no correlation."""
-    wavelength, state = channels[i][_WAVELENGTH], p + i
-    x[state] = (channels[i][_PHASE] - channels[i][_CODE]) / wavelength
-    for j in range(len(x)):
-        P[state][j] = P[j][state] = 0.0
-    P[state][state] = (SIGMA_NEW_AMBIGUITY / wavelength) ** 2
-
-
-@kernel
-def _innovation(x, P, p, channels, pairs, near, variance, kind):
-    """Return C (d, d) and W = C^-1 [H P, z] (d, n + 1) of the double differences of one kind of measurement, _CODE or _PHASE.
-
-    z = D y - H (x - near),   H = [D design, 0, D wavelength],   C C' = H P H' + D diag(variance) D';  the wavelengths stand in H
-    for the carrier only.
-    """
-    d, n = len(pairs), len(x)
-    S, W = matrix(d, d), matrix(d, n + 1)
-    for r in range(d):
-        i, j, W_r = pairs[r][0], pairs[r][1], W[r]
-        W_r[n] = channels[i][kind] - channels[j][kind]
-        for axis in range(3):
-            slope = channels[i][axis] - channels[j][axis]
-            add_multiple(W_r, P[axis], slope)
-            W_r[n] -= slope * (x[axis] - near[axis])
-        if kind == _PHASE:
-            wavelength = channels[i][_WAVELENGTH]
-            add_multiple(W_r, P[p + i], wavelength)
-            add_multiple(W_r, P[p + j], -wavelength)
-            W_r[n] -= wavelength * (x[p + i] - x[p + j])
-        for q in range(r + 1):
-            S[r][q] = _noise(pairs, r, q, variance)
-    for r in range(d):
-        for q in range(r + 1):
-            i, j = pairs[q][0], pairs[q][1]
-            for axis in range(3):
-                S[r][q] += W[r][axis] * (channels[i][axis] - channels[j][axis])
-            if kind == _PHASE:
-                S[r][q] += (W[r][p + i] - W[r][p + j]) * channels[i][_WAVELENGTH]
-    factor_cholesky(S)
-    solve_lower(S, W)
-    return S, W
-
-
-@kernel
-def _noise(pairs, r, q, variance):
-    """Return entry (r, q) of D diag(variance) D': the 4-2-2 pattern where all variances are 2."""
-    if pairs[r][1] != pairs[q][1]:
-        return 0.0
-    return variance[pairs[r][1]] + (variance[pairs[r][0]] if r == q else 0.0)
 
 
 @kernel
@@ -242,40 +162,46 @@ def _fixable(channels, pairs):
     count, chosen = 0, integer_matrix(len(pairs), 2)
     for r in range(len(pairs)):
         i, j = pairs[r][0], pairs[r][1]
-        worse = max(channels[i][_SIGMA_PHASE], channels[j][_SIGMA_PHASE])
-        if worse <= _FIXABLE * channels[i][_WAVELENGTH]:
+        worse = max(channels[i][SIGMA_PHASE], channels[j][SIGMA_PHASE])
+        if worse <= _FIXABLE * channels[i][WAVELENGTH]:
             chosen[count][0], chosen[count][1] = i, j
             count += 1
     return chosen[:count]
 
 
 @kernel
-def _fix(x, P, p, channels, pairs, near, row):
+def _fix(x, P, p, channels, pairs, near, length, length_sigma, row):
     """Write the fixed baseline to a row of results, in place; return the ratio, 0 where there are no integers or no baseline."""
     row[_INTEGERS] = len(pairs)
     if len(pairs) < 3:
         return 0.0
-    a_hat, Q_a = _double_difference_ambiguities(x, P, p, pairs)
-    candidates, norms, nodes, status, _ = fix_groups(a_hat, Q_a, 2, _NODE_LIMIT)
+    candidates, norms, nodes, status = _search(x, P, p, pairs, length, length_sigma)
     if status != GOOD or nodes[0][0] >= _NODE_LIMIT:
         return 0.0
     if not _solve_fixed(channels, pairs, candidates[0], near, row):
         return 0.0
+    row[_COST] = norms[0][0]
     return norms[0][1] / max(norms[0][0], 1e-12)
 
 
 @kernel
-def _double_difference_ambiguities(x, P, p, pairs):
-    """Return a_hat (1, 1, d) and Q_a (1, d, d) [cycles] of the double differences: one vector, one covariance."""
-    d = len(pairs)
-    a_hat, Q_a = cube(1, 1, d), cube(1, d, d)
-    for r in range(d):
-        i, j = p + pairs[r][0], p + pairs[r][1]
-        a_hat[0][0][r] = x[i] - x[j]
-        for q in range(d):
-            g, h = p + pairs[q][0], p + pairs[q][1]
-            Q_a[0][r][q] = P[i][g] - P[i][h] - P[j][g] + P[j][h]
-    return a_hat, Q_a
+def _search(x, P, p, pairs, length, length_sigma):
+    """Return the two best integer vectors, their norms, the nodes visited and a status; on the sphere where a length is known.
+
+    A length uncertain by sigma is a sphere hit by b + e, e ~ N(0, sigma^2 I): along the radius that is the length's own error,
+    and across it costs nothing anyway.
+    """
+    a_hat, Q_a = double_difference_ambiguities(x, P, p, pairs)
+    if length == 0.0:
+        candidates, norms, nodes, status, _ = fix_groups(a_hat, Q_a, 2, _NODE_LIMIT)
+        return candidates, norms, nodes, status
+    b_hat, Q_b, Q_ba = baseline_with_ambiguities(x, P, p, pairs)
+    for axis in range(3):
+        Q_b[0][axis][axis] += length_sigma**2
+    bounds = matrix(1, 1)
+    bounds[0][0] = 2.0 * (len(pairs) + 1.0)  # twice the mean cost of the true integers
+    candidates, norms, nodes, _, status, _ = fix_groups_on_sphere(a_hat, Q_a, b_hat, Q_b, Q_ba, length, bounds, 2, _NODE_LIMIT)
+    return candidates, norms, nodes, status
 
 
 @kernel
@@ -286,14 +212,14 @@ def _solve_fixed(channels, pairs, integers, near, row):
     misfit y' R^-1 y - y' R^-1 H (b - near), expected d - 3. Returns False where the satellites leave the baseline open.
     """
     d = len(pairs)
-    variance, C, G, N = _variances(channels, _SIGMA_PHASE, False), matrix(d, d), matrix(d, 4), matrix(4, 4)
+    variance, C, G, N = variances(channels, SIGMA_PHASE, False), matrix(d, d), matrix(d, 4), matrix(4, 4)
     for r in range(d):
         i, j = pairs[r][0], pairs[r][1]
-        G[r][3] = channels[i][_PHASE] - channels[j][_PHASE] - channels[i][_WAVELENGTH] * integers[r]
+        G[r][3] = channels[i][PHASE] - channels[j][PHASE] - channels[i][WAVELENGTH] * integers[r]
         for axis in range(3):
             G[r][axis] = channels[i][axis] - channels[j][axis]
         for q in range(r + 1):
-            C[r][q] = _noise(pairs, r, q, variance)
+            C[r][q] = noise(pairs, r, q, variance)
     factor_cholesky(C)
     solve_lower(C, G)
     for r in range(d):

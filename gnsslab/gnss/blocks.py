@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.gnss.ambiguity_filter import Block, Outcome, filter_block
+from gnsslab.gnss.ambiguity_filter import filter_block
 from gnsslab.gnss.differences import difference_pairs
+from gnsslab.gnss.filter_steps import Block
 from gnsslab.gnss.screening import LONGEST_GAP
 
 LONGEST_BLOCK = 600  # epochs: a day of one set of satellites comes in parts, so that memory stays small and progress is seen
@@ -14,7 +15,7 @@ LONGEST_BLOCK = 600  # epochs: a day of one set of satellites comes in parts, so
 class Solution(NamedTuple):
     """The filter's results at T common epochs."""
 
-    outcome: Outcome
+    outcome: NamedTuple  # what the filter says, each field (T, ...); Outcome of ambiguity_filter
     satellites: np.ndarray  # (T,) int, in at least one double difference
 
 
@@ -26,9 +27,10 @@ class _State(NamedTuple):
     channels: np.ndarray  # (n,) int, whose ambiguities they are
 
 
-def run_blocks(model, path, progress=None):
+def run_blocks(model, path, progress=None, run=filter_block):
     """Return the Solution of a Model along a Path; ambiguities go on from block to block while their carrier does.
 
+    `run(x, P, block)` is the filter: it returns x and P after the block's last epoch, and what it found.
     `progress(done, total)` is called after each block with the number of epochs done.
     """
     T, c = model.usable.shape
@@ -41,14 +43,14 @@ def run_blocks(model, path, progress=None):
         block = _block(model, path, slice(first, end), channels)
         block.slip[0] |= ~np.isin(channels, state.channels)
         waiting = _waiting(state, channels, last_seen, first)
-        x, P, outcome = filter_block(*_rearranged(state, np.concatenate([channels, waiting]), p), block)
+        x, P, outcome = run(*_rearranged(state, np.concatenate([channels, waiting]), p), block)
         state = _State(x, P, np.concatenate([channels, waiting]))
         last_seen[channels] = end - 1
         outcomes.append(outcome)
         satellites[first:end] = len(np.unique(model.pair.satellite[channels[[*block.channel, *block.reference]]]))
         if progress:
             progress(end, T)
-    return Solution(Outcome(*map(np.concatenate, zip(*outcomes, strict=True))), satellites)
+    return Solution(type(outcomes[0])(*map(np.concatenate, zip(*outcomes, strict=True))), satellites)
 
 
 def _spans(usable):
@@ -80,6 +82,7 @@ def _block(model, path, span, channels):
         wavelength=model.pair.wavelength[channels],
         channel=channel,
         reference=reference,
+        channels=channels,
     )
 
 

@@ -6,12 +6,12 @@ The master may stand on known ground or move along (moving base): only its own p
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from functools import partial
 
 import numpy as np
 
 from gnsslab.gnss.blocks import run_blocks
 from gnsslab.gnss.frames import enu_rotation
+from gnsslab.gnss.judging import believed_by_ratio, variance_factor
 from gnsslab.gnss.known_length import run_with_length
 from gnsslab.gnss.moving_base import at_rover_instants, shift_covariance
 from gnsslab.gnss.points import solve_points, solve_positions
@@ -23,8 +23,6 @@ FEWEST_SATELLITES = 4
 ATMOSPHERE = 1e-6  # of the baseline's length, standard deviation on each axis: what ionosphere and troposphere leave in a difference
 LARGEST_SIGMA = 30.0  # [m], of a float baseline: beyond, the codes of the epoch have not determined it
 BASE_MISPLACED = 500.0  # [m] between a base's position and its codes: each 100 m move the rover by up to a millimetre a kilometre
-_WORST_FIT = 9.0  # carriers with the right integers fit each other within three times their assumed sigma, also those of cheap antennas
-_PRIOR_FREEDOM = 30.0  # epochs of a few satellites: three to ten
 
 
 class Status(IntEnum):
@@ -88,29 +86,6 @@ def solve_moving(master, rover, ephemerides, *, length=None, length_sigma=0.005,
     return replace(relative, Q_enu=Q_enu)
 
 
-def ratio_threshold(n, acceptance=16.0):
-    """Return the least ratio of second best to best squared norm at which the best of n integers is believed: max(1.5, 1 + c / n).
-
-    The posterior odds of best against second best are exp((s2 - s1) / 2). With the noise level judged by s1 / n itself this
-    asks (s2 - s1) / (s1 / n) >= c, odds of e^8 = 3000 at c = 16: a ratio of 3 at n = 8 as usual, 5 at n = 4, less where many
-    integers agree. Close to the thresholds fitted to fixed failure rates in RTKLIB demo5 (1.7 at 20, 1.4 at 30 for a nominal 3).
-
-    >>> ratio_threshold(np.array([4, 8, 64])).tolist()
-    [5.0, 3.0, 1.5]
-    """
-    return np.maximum(1.5, 1.0 + acceptance / np.maximum(n, 1))
-
-
-def variance_factor(outcome, is_fixed):
-    """Return the factor by which the assumed variances are to be multiplied, judged by the carrier residuals of all fixed epochs.
-
-    (nu + sum of misfits) / (nu + sum of their expectations), with nu = 30 for what was assumed beforehand, so that a single
-    epoch changes little (variance component estimation with one component, with a prior).
-    """
-    expected = outcome.freedom[is_fixed].sum()
-    return (_PRIOR_FREEDOM + outcome.misfit[is_fixed].sum()) / (_PRIOR_FREEDOM + expected)
-
-
 def running_mean(outcome, is_fixed, interval, noise):
     """Return the Outcome with each fixed baseline replaced by the weighted mean of all fixed ones up to it: the rover stands still.
 
@@ -169,7 +144,7 @@ def _solve(prepared, settings, static, progress):
     """Return the Solution of the epochs Prepared, and the Status (T,) of each."""
     model = prepared.model
     solution = run_blocks(model, path_of(prepared, settings, static), progress)
-    status = _judged(solution, _believed_by_ratio(solution.outcome, solution.outcome.integers, settings.acceptance))
+    status = _judged(solution, believed_by_ratio(solution.outcome, solution.outcome.integers, settings.acceptance))
     if static and not settings.single_epoch:
         averaged = running_mean(solution.outcome, status == Status.FIXED, usual_step(model.pair.time), settings.noise)
         solution = solution._replace(outcome=averaged)
@@ -180,14 +155,9 @@ def _solve_with_length(prepared, settings, length, length_sigma, progress):
     """Return the same, the baseline's length being known; None where it is not."""
     if length is None:
         return _solve(prepared, settings, False, progress)
-    by_ratio = partial(_believed_by_ratio, acceptance=settings.acceptance)
-    solution, is_believed = run_with_length(prepared.model, path_of(prepared, settings), length, length_sigma, by_ratio, progress)
+    path = path_of(prepared, settings)
+    solution, is_believed = run_with_length(prepared.model, path, length, length_sigma, settings.acceptance, progress)
     return solution, _judged(solution, is_believed)
-
-
-def _believed_by_ratio(outcome, integers, acceptance):
-    """Return at which epochs (T,) the ratio speaks for the best of so many integers, and the carriers fit each other."""
-    return (outcome.ratio >= ratio_threshold(integers, acceptance)) & (outcome.misfit <= _WORST_FIT * (outcome.freedom + 1))
 
 
 def _judged(solution, is_believed):

@@ -9,7 +9,7 @@ import numpy as np
 from gnsslab.core.integers import fix_with_length, integer_least_squares, ratio_test, simulate_fixes, success_rate, threshold_of_fixes
 from gnsslab.core.mixed_model import FloatSolution, given_integers
 from gnsslab.data import DataUnavailable
-from gnsslab.gnss.relative import ratio_threshold
+from gnsslab.gnss.judging import ratio_threshold
 from gnsslab.gnss.short_baseline import short_baseline_model
 from gnsslab.gnss.signals import wavelength
 from gnsslab.labs.campaigns import FileReader, blocked_by_data, no_answer, require_files, simulated_instead

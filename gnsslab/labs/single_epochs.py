@@ -6,7 +6,7 @@ import numpy as np
 
 from gnsslab.core.integers import integer_least_squares, success_rate
 from gnsslab.gnss.differences import difference_operator
-from gnsslab.gnss.relative import ratio_threshold
+from gnsslab.gnss.judging import ratio_threshold
 
 
 @dataclass(frozen=True, eq=False)

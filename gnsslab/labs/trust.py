@@ -14,7 +14,7 @@ from gnsslab.core.integers.success import adop, success_bounds
 from gnsslab.core.mixed_model import solve_float
 from gnsslab.figures.shares import percent
 from gnsslab.gnss.differences import difference_operator
-from gnsslab.gnss.relative import ratio_threshold
+from gnsslab.gnss.judging import ratio_threshold
 from gnsslab.gnss.short_baseline import short_baseline_model
 from gnsslab.gnss.signals import wavelength
 from gnsslab.labs.controls import Choice, Slider

@@ -11,6 +11,7 @@ from gnsslab.core.rotations import heading_pitch_of
 from gnsslab.gnss.relative import Status, solve_moving
 
 CONTRADICTION = 5.0  # sigma between the measured and the known length: an innocent epoch fails once in two million times
+_HALF = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +43,18 @@ def dual_antenna_attitude(master, rover, ephemerides, *, length=None, length_sig
 
     heading = atan2(e, n) - mount heading,   pitch = atan2(u, hypot(e, n))
 
-    `length` [m], with `length_sigma` [m], is the known distance between the antennas, entered as one more measurement;
+    `length` [m], with `length_sigma` [m], is the known distance between the antennas. It takes part in the search for the integers
+    (`gnss.known_length`), and once they are known it is one more measurement of the baseline;
     `mount_heading` [rad] is where the baseline points when the vehicle heads north. `settings` are those of
     `gnss.preparation.Settings`: systems, frequencies or signals, mask_deg, single_epoch...
     A fixed epoch that the length contradicts becomes float, its baseline as measured: either its integers are wrong or the tape is.
     Raises ValueError without common epochs or satellites, for a length or sigma that is not positive, or where the length
-    contradicts most fixed epochs.
+    contradicts most fixed epochs: those fixed with it, or without it where with it less than half are fixed.
     """
     _check_length(length, length_sigma)
-    relative = solve_moving(master, rover, ephemerides, progress=progress, **settings)
+    relative = solve_moving(master, rover, ephemerides, length=length, length_sigma=length_sigma, progress=progress, **settings)
+    if length is not None and np.mean(relative.status == Status.FIXED) < _HALF:
+        _where_length_fits(solve_moving(master, rover, ephemerides, **settings), length, length_sigma)
     baseline, Q = relative.baseline_enu, relative.Q_enu
     status = relative.status
     if length is not None:
@@ -123,7 +127,7 @@ def _where_length_fits(relative, length, length_sigma):
         sigma = np.sqrt(np.einsum("ti,tij,tj->t", H, relative.Q_enu, H) + length_sigma**2)
         is_contradicted = (relative.status == Status.FIXED) & (np.abs(norm - length) > CONTRADICTION * sigma)
     fixed = relative.status == Status.FIXED
-    if is_contradicted.sum() > fixed.sum() / 2:
+    if is_contradicted.sum() > fixed.sum() * _HALF:
         measured = np.median(norm[fixed])
         raise ValueError(f"the antennas are {measured:.3f} m apart by most fixed epochs, not {length:g} m: measure the length again, or leave it out")
     return np.where(is_contradicted, np.int8(Status.FLOAT), relative.status)

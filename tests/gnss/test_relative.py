@@ -14,8 +14,9 @@ from small_observations import short_preset
 
 from gnsslab.gnss.differences import common_epochs
 from gnsslab.gnss.frames import enu_rotation
+from gnsslab.gnss.judging import ratio_threshold
 from gnsslab.gnss.points import solve_points
-from gnsslab.gnss.relative import Status, ratio_threshold, solve_moving, solve_relative, station_position
+from gnsslab.gnss.relative import Status, solve_moving, solve_relative, station_position
 from gnsslab.gnss.selection import keep_epochs
 from gnsslab.gnss.signals import SPEED_OF_LIGHT
 from gnsslab.simulate import Clock, GrossError, Outage, Slip, Turntable, observe, prepare_geometry

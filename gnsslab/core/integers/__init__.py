@@ -9,7 +9,7 @@ Which file answers what:
 * partial, equivariant: between all integers and none (`fix_most_certain`, `fix_subset`, `best_integer_equivariant`);
 * tree: the search written down, for looking at.
 
-For another kernel: `fix_groups`, `decorrelate_kernel`, whose status must be GOOD, and `search_kernel`.
+For another kernel: `fix_groups`, `fix_groups_on_sphere`, `decorrelate_kernel`, whose status must be GOOD, and `search_kernel`.
 """
 
 from gnsslab.core.integers.acceptance import RatioThreshold, difference_test, failure_rate_threshold, projector_test, ratio_test, threshold_of_fixes
@@ -40,6 +40,7 @@ from gnsslab.core.integers.partial import (
 from gnsslab.core.integers.rounding import integer_bootstrapping, integer_rounding
 from gnsslab.core.integers.search import IntegerSolution, fix_groups, integer_least_squares, search_kernel
 from gnsslab.core.integers.simulation import SimulatedFixes, SimulatedRate, simulate_fixes, simulate_success
+from gnsslab.core.integers.sphere_search import fix_groups_on_sphere
 from gnsslab.core.integers.success import SuccessBounds, adop, adop_success_rate, success_bounds, success_rate
 from gnsslab.core.integers.tree import SearchTree, search_tree
 
@@ -75,6 +76,7 @@ __all__ = [
     "fix_accepted_subset",
     "fix_combinations",
     "fix_groups",
+    "fix_groups_on_sphere",
     "fix_most_certain",
     "fix_subset",
     "fix_with_length",
