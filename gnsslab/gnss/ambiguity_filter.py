@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.integers import GOOD, fix_groups, fix_groups_on_sphere
+from gnsslab.core.integers import GOOD
 from gnsslab.core.jit import integer_matrix, kernel, kernel_input, matrix, vector
 from gnsslab.core.kalman import add_multiple, factor_cholesky, is_consistent, predict, solve_lower, update, worst_outlier
 from gnsslab.gnss.filter_steps import (
@@ -20,13 +20,13 @@ from gnsslab.gnss.filter_steps import (
     SIGMA_PHASE,
     SLIP,
     WAVELENGTH,
-    baseline_with_ambiguities,
-    double_difference_ambiguities,
+    copy_baseline,
     innovation,
     kernel_table,
     loosen,
     noise,
     restart,
+    search_integers,
     variances,
 )
 
@@ -85,18 +85,9 @@ def _filter_epochs(x, P, F, Q, offset, drift, near, table, pairs, length, length
         loosen(P, p, channels, drift[t])
         _update_by_code(x, P, p, channels, pairs, near[t])
         row[_RESTARTED] = _update_by_phase(x, P, p, channels, pairs, near[t])
-        _copy_baseline(x, P, row)
+        copy_baseline(x, P, row, _FLOAT)
         row[_RATIO] = _fix(x, P, p, channels, _fixable(channels, pairs), near[t], length, length_sigma, row)
     return rows
-
-
-@kernel
-def _copy_baseline(x, P, row):
-    """Write the float baseline and its covariance to a row of results."""
-    for i in range(3):
-        row[_FLOAT + i] = x[i]
-        for j in range(3):
-            row[_FLOAT + 3 + 3 * i + j] = P[i][j]
 
 
 @kernel
@@ -175,33 +166,13 @@ def _fix(x, P, p, channels, pairs, near, length, length_sigma, row):
     row[_INTEGERS] = len(pairs)
     if len(pairs) < 3:
         return 0.0
-    candidates, norms, nodes, status = _search(x, P, p, pairs, length, length_sigma)
+    candidates, norms, nodes, status = search_integers(x, P, p, pairs, length, length_sigma, _NODE_LIMIT)
     if status != GOOD or nodes[0][0] >= _NODE_LIMIT:
         return 0.0
     if not _solve_fixed(channels, pairs, candidates[0], near, row):
         return 0.0
     row[_COST] = norms[0][0]
     return norms[0][1] / max(norms[0][0], 1e-12)
-
-
-@kernel
-def _search(x, P, p, pairs, length, length_sigma):
-    """Return the two best integer vectors, their norms, the nodes visited and a status; on the sphere where a length is known.
-
-    A length uncertain by sigma is a sphere hit by b + e, e ~ N(0, sigma^2 I): along the radius that is the length's own error,
-    and across it costs nothing anyway.
-    """
-    a_hat, Q_a = double_difference_ambiguities(x, P, p, pairs)
-    if length == 0.0:
-        candidates, norms, nodes, status, _ = fix_groups(a_hat, Q_a, 2, _NODE_LIMIT)
-        return candidates, norms, nodes, status
-    b_hat, Q_b, Q_ba = baseline_with_ambiguities(x, P, p, pairs)
-    for axis in range(3):
-        Q_b[0][axis][axis] += length_sigma**2
-    bounds = matrix(1, 1)
-    bounds[0][0] = 2.0 * (len(pairs) + 1.0)  # twice the mean cost of the true integers
-    candidates, norms, nodes, _, status, _ = fix_groups_on_sphere(a_hat, Q_a, b_hat, Q_b, Q_ba, length, bounds, 2, _NODE_LIMIT)
-    return candidates, norms, nodes, status
 
 
 @kernel

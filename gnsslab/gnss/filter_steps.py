@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gnsslab.core.integers import fix_groups, fix_groups_on_sphere
 from gnsslab.core.jit import cube, kernel, kernel_indices, kernel_input, matrix, vector
 from gnsslab.core.kalman import add_multiple, factor_cholesky, solve_lower
 
@@ -119,6 +120,26 @@ def noise(pairs, r, q, variance):
 
 
 @kernel
+def search_integers(x, P, p, pairs, length, length_sigma, node_limit):
+    """Return the two best integer vectors, their norms, the nodes visited and a status; on the sphere where a length is known (not 0).
+
+    A length uncertain by sigma is a sphere hit by b + e, e ~ N(0, sigma^2 I): along the radius that is the length's own error,
+    and across it costs nothing anyway.
+    """
+    a_hat, Q_a = double_difference_ambiguities(x, P, p, pairs)
+    if length == 0.0:
+        candidates, norms, nodes, status, _ = fix_groups(a_hat, Q_a, 2, node_limit)
+        return candidates, norms, nodes, status
+    b_hat, Q_b, Q_ba = baseline_with_ambiguities(x, P, p, pairs)
+    for axis in range(3):
+        Q_b[0][axis][axis] += length_sigma**2
+    bounds = matrix(1, 1)
+    bounds[0][0] = 2.0 * (len(pairs) + 1.0)  # twice the mean cost of the true integers
+    candidates, norms, nodes, _, status, _ = fix_groups_on_sphere(a_hat, Q_a, b_hat, Q_b, Q_ba, length, bounds, 2, node_limit)
+    return candidates, norms, nodes, status
+
+
+@kernel
 def double_difference_ambiguities(x, P, p, pairs):
     """Return a_hat (1, 1, d) and Q_a (1, d, d) [cycles] of the double differences: one vector, one covariance."""
     d = len(pairs)
@@ -143,3 +164,12 @@ def baseline_with_ambiguities(x, P, p, pairs):
         for r in range(len(pairs)):
             Q_ba[0][axis][r] = P[axis][p + pairs[r][0]] - P[axis][p + pairs[r][1]]
     return b_hat, Q_b, Q_ba
+
+
+@kernel
+def copy_baseline(x, P, row, first):
+    """Write the baseline and its covariance to a row of results, 12 numbers from `first` on."""
+    for i in range(3):
+        row[first + i] = x[i]
+        for j in range(3):
+            row[first + 3 + 3 * i + j] = P[i][j]

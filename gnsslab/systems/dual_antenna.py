@@ -3,15 +3,41 @@
 The equations are those of the paper with its misprints mended: (5), (6) angles from the baseline, (33), (34) their sigma.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gnsslab.core.rotations import heading_pitch_of
+from gnsslab.gnss.preparation import Settings
 from gnsslab.gnss.relative import Status, solve_moving
+from gnsslab.gnss.weighting import NoiseModel
+from gnsslab.systems.constrained_filter import FilterSettings
 
 CONTRADICTION = 5.0  # sigma between the measured and the known length: an innocent epoch fails once in two million times
 _HALF = 0.5
+
+
+@dataclass(frozen=True)
+class PublishedSystem:
+    """A dual-antenna system as its paper describes it: what it was tried on, and how its filter (`constrained_filter`) was set."""
+
+    preset: str  # of gnsslab.simulate: truth and noise
+    settings: Settings  # of gnss.preparation: satellites and weights
+    velocity_noise: tuple[float, float, float]  # [m/s per sqrt(s)] east, north, up
+    filter: FilterSettings
+
+
+_SIGMA_PHASE, _SIGMA_CODE = 0.0081, 2.4  # [m] in the zenith, undifferenced: 1.5 times the carrier's true noise, 3 times the code's
+A_STATIC = PublishedSystem(
+    preset="paper-a-static",
+    settings=Settings(
+        systems="GC", frequencies=1, longest_age=1.0,
+        noise=NoiseModel(_SIGMA_PHASE / 2**0.5, _SIGMA_PHASE / 2**0.5, _SIGMA_CODE / _SIGMA_PHASE, correlated_share=0.0),
+    ),
+    velocity_noise=(0.02, 0.02, 0.02 / 3),
+    filter=FilterSettings(),
+)  # fmt: skip
+A_TURNTABLE = replace(A_STATIC, preset="paper-a-turntable", velocity_noise=(0.03, 0.03, 0.01))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,33 @@
+"""The filter's prediction as printed in paper A, equation (25), misprint and all: for comparison only.
+
+The mended form is `core.kalman.predict`. It is a kernel, so that the paper's filter can be run with it.
+"""
+
+from gnsslab.core.jit import kernel, matrix
+from gnsslab.core.kalman import add_multiple
+
+
+@kernel
+def predict_as_printed(x, P, F, Q, offset):
+    """Move x and P one step on, in place, by P <- F P + Q: a factor F' is missing, so P does not stay symmetric.
+
+    Of the first p states only, as in `core.kalman.predict`: x_p <- F x_p + offset. The correlations with the others go F P as they should.
+
+    >>> import numpy as np
+    >>> x, P = np.zeros(2), np.array([[1.0, 0.3], [0.3, 2.0]])
+    >>> predict_as_printed(x, P, np.array([[1.0, 1.0], [0.0, 1.0]]), np.zeros((2, 2)), np.zeros(2))
+    >>> P.tolist()                     # asymmetric by 2.0; right is [[3.6, 2.3], [2.3, 2.0]]
+    [[1.3, 2.3], [0.3, 2.0]]
+    """
+    p, n = len(offset), len(x)
+    moved = matrix(p, n + 1)  # F [P_p, x_p]
+    for i in range(p):
+        for j in range(p):
+            add_multiple(moved[i], P[j], F[i][j])
+            moved[i][n] += F[i][j] * x[j]
+    for i in range(p):
+        x[i] = moved[i][n] + offset[i]
+        for j in range(p):
+            P[i][j] = moved[i][j] + Q[i][j]
+        for j in range(p, n):
+            P[i][j] = P[j][i] = moved[i][j]
