@@ -18,15 +18,14 @@ class Path(NamedTuple):
     F: np.ndarray  # (T, p, p)
     Q: np.ndarray  # (T, p, p)
     offset: np.ndarray  # (T, p)
-    forgets: np.ndarray  # (T,) bool: everything starts anew, ambiguities included
     drift: np.ndarray  # (T,) [m^2], variance that every ambiguity gains since the epoch before
 
 
 def forgetful(time, near):
-    """Return the Path in which every epoch (T,) starts anew at its approximate baseline near (T, 3) [m]."""
+    """Return the Path of a baseline that starts anew at each epoch (T,), at its approximate value near (T, 3) [m]."""
     T = len(time)
     Q = np.broadcast_to(SIGMA_OPEN**2 * np.eye(3), (T, 3, 3)).copy()
-    return Path(np.zeros((T, 3, 3)), Q, near.copy(), np.ones(T, dtype=bool), np.zeros(T))
+    return Path(np.zeros((T, 3, 3)), Q, near.copy(), np.zeros(T))
 
 
 def static(time, near):
@@ -35,7 +34,6 @@ def static(time, near):
     path.F[1:] = np.eye(3)
     path.Q[1:] = 0.0
     path.offset[1:] = 0.0
-    path.forgets[:] = False
     path.drift[1:] = AMBIGUITY_DRIFT**2 * seconds_between(time[1:], time[:-1])
     return path
 
@@ -58,7 +56,7 @@ def moving(time, near, acceleration=3.0, longest_gap=10.0):
     F[starts] = 0.0
     Q[starts] = np.diag([SIGMA_OPEN**2] * 3 + [_SIGMA_OPEN_VELOCITY**2] * 3)
     offset[starts, :3] = near[starts]
-    return Path(F, Q, offset, np.zeros(T, dtype=bool), AMBIGUITY_DRIFT**2 * np.concatenate([[0.0], dt]))
+    return Path(F, Q, offset, AMBIGUITY_DRIFT**2 * np.concatenate([[0.0], dt]))
 
 
 def _white_acceleration(dt, acceleration):

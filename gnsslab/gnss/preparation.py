@@ -12,6 +12,7 @@ import numpy as np
 from gnsslab.gnss import motion
 from gnsslab.gnss.differences import pair_receivers
 from gnsslab.gnss.modelling import Model, build_model
+from gnsslab.gnss.moving_base import mean_velocity
 from gnsslab.gnss.points import solve_points, solve_positions
 from gnsslab.gnss.screening import row_medians
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, USED_SYSTEMS
@@ -42,7 +43,7 @@ class Prepared(NamedTuple):
     model: Model
     master_ecef: np.ndarray  # (T, 3) [m], where the master was when it measured
     time_offset: np.ndarray  # (T,) [s], how much later the rover measured than the master; NaN without a usable code
-    velocity_master: np.ndarray  # (T, 3) ECEF [m/s], when it measured; NaN where not known
+    velocity_master: np.ndarray  # (T, 3) ECEF [m/s], its mean between the two instants; NaN where not known
     Q_velocity: np.ndarray  # (T, 3, 3) [m^2/s^2], of the master
 
 
@@ -51,7 +52,8 @@ def prepare_moving(master, rover, ephemerides, settings):
     found = solve_points(master, ephemerides, systems=settings.systems, mask_deg=min(settings.mask_deg, _POINT_MASK_DEG))
     prepared = prepare(master, rover, without_gaps(found), ephemerides, settings)
     used = prepared.model.pair.epoch_master
-    return prepared._replace(velocity_master=found.velocity_ecef[used], Q_velocity=found.Q_velocity[used])
+    velocity = mean_velocity(found.time, found.velocity_ecef, used, prepared.time_offset)
+    return prepared._replace(velocity_master=velocity, Q_velocity=found.Q_velocity[used])
 
 
 def prepare(master, rover, master_ecef, ephemerides, settings):

@@ -27,7 +27,7 @@ def prepared():
     pair = pair_receivers(*simulation.observations)
     master, rover = simulation.truth.position_ecef, simulation.truth.position_ecef + np.array([3.0, -2.0, 1.0])
     path = motion.moving(pair.time, rover - master)
-    model = build_model(pair, master, rover, simulation.ephemerides, np.radians(15.0), NoiseModel(), path.forgets)
+    model = build_model(pair, master, rover, simulation.ephemerides, np.radians(15.0), NoiseModel(), np.zeros(T, dtype=bool))
     return model, path
 
 

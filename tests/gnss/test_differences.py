@@ -15,6 +15,7 @@ from gnsslab.gnss.differences import (
     difference_pairs,
     grouped_difference_operator,
     pair_receivers,
+    paired_epochs,
 )  # fmt: skip
 from gnsslab.gnss.observations import HALF_CYCLE, SLIP
 from gnsslab.gnss.selection import keep_epochs
@@ -81,6 +82,53 @@ def test_equal_tags_are_always_paired_even_beside_others_within_the_tolerance(ta
     rover = np.arange(0, 501, step)
     i_a, i_b = common_epochs(times(rover[np.isin(rover, tags)]), times(rover))
     assert rover[np.isin(rover, tags)][i_a].tolist() == rover[i_b].tolist() == sorted(set(tags) & set(rover.tolist()))
+
+
+@settings(max_examples=300)
+@given(master=TAGS, rover=TAGS)
+def test_without_an_age_the_common_epochs_are_all_there_are(master, rover):
+    tags = times(np.array(master, int)), times(np.array(rover, int))
+    for paired, common in zip(paired_epochs(*tags, 0.0), common_epochs(*tags), strict=True):
+        assert paired.tolist() == common.tolist()
+
+
+@settings(max_examples=300)
+@given(master=TAGS, rover=TAGS, longest_age=st.floats(0.001, 0.6))
+def test_other_epochs_of_the_rover_get_the_last_one_of_the_master_while_it_is_young_enough(master, rover, longest_age):
+    tags = times(np.array(master, int)), times(np.array(rover, int))
+    common = dict(zip(*(index.tolist() for index in common_epochs(*tags)[::-1]), strict=True))
+    i_master, i_rover = (index.tolist() for index in paired_epochs(*tags, longest_age))
+    expected = {}
+    for j, tag in enumerate(rover):
+        young = [i for i, other in enumerate(master) if 0 <= tag - other <= longest_age * 1000 + 1e-9]
+        if j in common or young:
+            expected[j] = common.get(j, young[-1] if young else None)
+    assert dict(zip(i_rover, i_master, strict=True)) == expected
+    assert i_rover == sorted(i_rover)
+    assert i_master == sorted(i_master), "the filter meets the master's epochs in their order"
+
+
+@pytest.mark.parametrize("longest_age", [-1.0, float("nan"), float("inf")])
+def test_an_age_that_is_none_is_refused(longest_age):
+    with pytest.raises(ValueError, match=r"longest age of the master's data must be 0 s .common epochs only. or more"):
+        pair_receivers(receiver({"G05": ("1C",)}), receiver({"G05": ("1C",)}), longest_age=longest_age)
+
+
+def test_without_any_young_epoch_the_age_is_told():
+    late = receiver({"G05": ("1C",)}, milliseconds=[10_000, 11_000])
+    with pytest.raises(ValueError, match=r"tags within 25 ms, or the master's up to 1\.5 s older"):
+        pair_receivers(receiver({"G05": ("1C",)}), late, longest_age=1.5)
+
+
+def test_a_slip_between_the_masters_epochs_that_serve_is_told_once():
+    """The master slips at its second epoch (1 s), which the rover does not have, and again at its fourth, which serves three times."""
+    both = {"G05": ("1C",), "G06": ("1C",)}
+    master = with_flag(receiver(both, milliseconds=[0, 1000, 2000, 4000]), "G05", "L1C", 1, SLIP)
+    master = with_flag(with_flag(master, "G06", "L1C", 3, SLIP), "G05", "L1C", 3, HALF_CYCLE)
+    pair = pair_receivers(master, receiver(both, milliseconds=[0, 2000, 3000, 4000, 4500, 5000]), longest_age=1.0)
+    assert pair.epoch_master.tolist() == [0, 2, 2, 3, 3, 3]
+    assert pair.master.lli.tolist() == [[0, 0], [SLIP, 0], [0, 0], [HALF_CYCLE, SLIP], [HALF_CYCLE, 0], [HALF_CYCLE, 0]]
+    assert not pair.rover.lli.any()
 
 
 def signals_of(pair):
