@@ -50,6 +50,20 @@ class Outage:
 
 
 @dataclass(frozen=True)
+class Street:
+    """From first to last epoch houses stand on both sides of the way; what they hide is lost, and lock is new when it is seen again.
+
+    They follow the body's heading psi: a satellite of azimuth alpha is hidden where tan el < tan(roofs) |sin(alpha - psi)|, so
+    straight ahead and behind the sky is open down to the horizon. A hidden signal is gone; reflections of it there are none.
+    """
+
+    first: int
+    last: int
+    roofs_deg: float = 50.0  # elevation of the roofs, seen straight across
+    antennas: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
 class Gap:
     """From first to last epoch nothing is recorded (a full buffer, a broken link); tracking goes on and the phase continues."""
 
@@ -95,9 +109,11 @@ def event_claims(event, epochs, receivers, systems):
     first, last = _span(event)
     yield 0 <= first <= last < epochs, f"{event} lies outside the epochs 0 to {epochs - 1}; move it or make the preset longer"
     yield set(event.antennas) <= set(range(receivers)), f"{event} names an antenna that is not there; they are 0 to {receivers - 1}"
-    yield all(name[:1] in systems for name in event.satellites), f"{event} names a satellite of none of the systems {systems}"
+    yield all(name[:1] in systems for name in getattr(event, "satellites", ())), f"{event} names a satellite of none of the systems {systems}"
     if isinstance(event, GrossError):
         yield event.code[:1] in KINDS and len(event.code) == 3, f"{event}: an observation code is C, L, D or S and a signal, as in 'C1C'"
+    if isinstance(event, Street):
+        yield 0 <= event.roofs_deg < 90, f"{event}: the elevation of the roofs is from 0 to below 90 degrees"
 
 
 def concerned(event, axes, first, last):
@@ -133,6 +149,32 @@ def silent(events, axes):
     return _any_of(events, Outage | Gap, axes)
 
 
+def hidden_by_streets(events, receiver, heading, azimuth, elevation):
+    """Return the mask (T, m) of the satellites hidden from a receiver with heading (T,) [rad]: azimuth, elevation (T, m) [rad].
+
+    >>> east = np.array([[np.pi / 2]])
+    >>> [hidden_by_streets((Street(0, 0),), 0, np.array([heading]), east, 0.5 * np.ones((1, 1))).item() for heading in (0.0, np.pi / 2)]
+    [True, False]
+    """
+    hidden, epoch = np.zeros(elevation.shape, dtype=bool), np.arange(len(heading))
+    across = np.abs(np.sin(azimuth - heading[:, np.newaxis]))
+    for event in events:
+        if isinstance(event, Street) and (not event.antennas or receiver in event.antennas):
+            is_inside = (event.first <= epoch) & (epoch <= event.last)
+            hidden |= is_inside[:, np.newaxis] & (np.tan(elevation) < np.tan(np.radians(event.roofs_deg)) * across)
+    return hidden
+
+
+def locked_anew(hidden, axes, rng):
+    """Return cycles (R, T, m, b) int64 and SLIP flags uint8 after satellites were hidden (R, T, m): none where nothing was."""
+    cycles, flags = np.zeros(axes.shape, dtype=np.int64), np.zeros(axes.shape, dtype=np.uint8)
+    if hidden.any():
+        is_back = np.diff(hidden.astype(np.int8), axis=1, prepend=0) < 0
+        flags[is_back] = SLIP
+        cycles[is_back] = _random_slips(rng, cycles[is_back].shape)
+    return np.cumsum(cycles, axis=1), flags
+
+
 def gross_errors(events, axes):
     """Return what gross errors add to code, carrier, Doppler and C/N0 (4, R, T, m, b), each in its unit."""
     added = np.zeros((len(KINDS), *axes.shape))
@@ -155,6 +197,10 @@ def _slip_sizes(event, axes, rng):
     shape = (axes.receivers, len(axes.satellites), len(axes.signals))
     if getattr(event, "cycles", 0):
         return np.full(shape, event.cycles)
+    return _random_slips(rng, shape)
+
+
+def _random_slips(rng, shape):
     return rng.integers(1, _SLIPS_UP_TO + 1, shape) * rng.choice([-1, 1], shape)
 
 

@@ -16,6 +16,7 @@ from gnsslab.gnss.frames import azimuth_elevation, ecef_from_geodetic, enu_rotat
 from gnsslab.gnss.orbits import EARTH_RATE_WGS84, GRAVITATION, rotate_to_reception, satellite_states, select_ephemerides
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, frequency
 from gnsslab.gnss.times import seconds_between
+from gnsslab.simulate.events import hidden_by_streets
 from gnsslab.simulate.presets import Preset
 from gnsslab.simulate.sky import broadcast_ephemerides
 from gnsslab.simulate.trajectories import velocity
@@ -29,7 +30,7 @@ _EARTH_SPIN = np.array([0.0, 0.0, EARTH_RATE_WGS84])  # [rad/s]
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """Motion of m satellites over T epochs, each epoch expanded about tag - TYPICAL_TRAVEL (to the second order: 1 um over 70 ms)."""
+    """Motion of m satellites over T epochs, each epoch expanded about tag - TYPICAL_TRAVEL (second order: 1 um off after 70 ms, 0.1 mm after 1 s)."""
 
     satellites: tuple[str, ...]  # (m,)
     ephemerides: Ephemerides
@@ -52,6 +53,7 @@ class Geometry:
     elevation: np.ndarray  # (R, T, m) [rad]
     ionosphere: np.ndarray  # (R, T, m) [m], delay of a code on L1
     troposphere: np.ndarray  # (R, T, m) [m]
+    hidden: np.ndarray  # (R, T, m) bool, behind the houses of a street
 
 
 def prepare_geometry(preset):
@@ -73,6 +75,18 @@ def satellite_tracks(start, epochs, interval, systems, satellites, site, mask_de
     elevation = _elevations_from_afar(_tracks(ephemerides, wanted, np.append(time[::every], time[-1])), site)
     rises = elevation.max(axis=0) > np.radians(mask_deg) - _SEARCH_MARGIN
     return _locked(_tracks(ephemerides, [name for name, is_up in zip(wanted, rises, strict=True) if is_up], time))
+
+
+def instants(preset, receiver):
+    """Return the GPS times (T,), seconds after the start, at which a receiver really measures: its tags less its clock's error.
+
+    >>> from dataclasses import replace
+    >>> from gnsslab.simulate import Clock, find_preset
+    >>> instants(replace(find_preset("ship-heading"), clocks=(Clock(), Clock(offset=0.5))), 1)[:2].tolist()
+    [-0.5, 0.5]
+    """
+    tags = np.arange(preset.epochs) * preset.interval
+    return tags - preset.clocks[receiver].error(tags)
 
 
 def body_in_ecef(preset, seconds):
@@ -139,10 +153,9 @@ def _acceleration(position, velocity_ecef, mu):
 
 
 def _one_receiver(preset, tracks, receiver):
-    """Return pseudorange, rate, elevation, ionosphere and troposphere (T, m) of one receiver."""
+    """Return pseudorange, rate, elevation, ionosphere, troposphere and what is hidden (T, m) of one receiver."""
     seconds = np.arange(preset.epochs) * preset.interval
-    clock = preset.clocks[receiver]
-    true_seconds = seconds - clock.error(seconds)  # GPS time at which the epoch is really measured
+    clock, true_seconds = preset.clocks[receiver], instants(preset, receiver)
     place = antenna_position(preset, receiver, true_seconds)
     speed = velocity(lambda t: antenna_position(preset, receiver, t), true_seconds)
     travel, u, satellite, satellite_velocity = _light_path(tracks, place, clock.error(seconds))
@@ -151,7 +164,8 @@ def _one_receiver(preset, tracks, receiver):
     pseudorange = SPEED_OF_LIGHT * (travel + clock.error(seconds)[:, np.newaxis] - satellite_clock)
     rate = _pseudorange_rate(u, satellite, satellite_velocity, speed, clock.drift, tracks.clock_drift)
     azimuth, elevation = azimuth_elevation(np.matvec(enu_rotation(place)[:, np.newaxis], u))
-    return pseudorange, rate, elevation, *_delays(preset, place, azimuth, elevation)
+    hidden = hidden_by_streets(preset.events, receiver, preset.trajectory.at(true_seconds).heading, azimuth, elevation)
+    return pseudorange, rate, elevation, *_delays(preset, place, azimuth, elevation), hidden
 
 
 def _light_path(tracks, place, clock_error):

@@ -6,7 +6,7 @@ import numpy as np
 
 from gnsslab.gnss.orbits import group_delay
 from gnsslab.gnss.signals import SPEED_OF_LIGHT, frequency
-from gnsslab.simulate.events import Axes, gross_errors, half_cycles, silent, slipped_cycles
+from gnsslab.simulate.events import Axes, gross_errors, half_cycles, locked_anew, silent, slipped_cycles
 from gnsslab.simulate.receivers import cn0_at, gauss_markov, hardware_delay, multipath_factor, sends, signals_of, white_factor
 
 _INTEGERS_UP_TO = 100_000  # first ambiguities [cycles]
@@ -58,8 +58,8 @@ def idealise(geometry):
 
 
 def draw(geometry, rng):
-    """Return a dictionary from system letter to its `Draw`, which depends on what is measured and not on where."""
-    return {system: _draw(geometry.preset.events, _axes(geometry, system, columns), rng) for system, columns in _columns(geometry).items()}
+    """Return a dictionary from system letter to its `Draw`, which depends on what is measured and not on where (but for streets, which hide)."""
+    return {system: _draw(geometry, columns, _axes(geometry, system, columns), rng) for system, columns in _columns(geometry).items()}
 
 
 def disturb(ideals, draws, noise):
@@ -93,12 +93,12 @@ def _ideal(geometry, columns, axes):
         wavelength=SPEED_OF_LIGHT / _frequencies(system, axes.signals),
         white=white_factor(elevation)[..., np.newaxis],
         multipath=multipath_factor(elevation)[..., np.newaxis],
-        is_recorded=_recorded(preset, elevation, axes),
+        is_recorded=_recorded(preset, elevation, axes) & ~geometry.hidden[..., columns, np.newaxis],
     )
 
 
-def _draw(events, axes, rng):
-    return Draw(*_ambiguities(events, axes, rng), rng.standard_normal((6, *axes.shape)))
+def _draw(geometry, columns, axes, rng):
+    return Draw(*_ambiguities(geometry.preset.events, geometry.hidden[..., columns], axes, rng), rng.standard_normal((6, *axes.shape)))
 
 
 def _disturbed(ideal, drawn, noise):
@@ -110,12 +110,13 @@ def _disturbed(ideal, drawn, noise):
     return Measured(ideal.axes.satellites, ideal.axes.signals, value, lli, drawn.integers, drawn.fractions)
 
 
-def _ambiguities(events, axes, rng):
+def _ambiguities(events, hidden, axes, rng):
     """Return integers (R, T, m, b), one at random and the slips after it, fractions (R, b), and the slip flags (R, T, m, b)."""
     first = rng.integers(-_INTEGERS_UP_TO, _INTEGERS_UP_TO + 1, (axes.receivers, 1, len(axes.satellites), len(axes.signals)))
     fractions = rng.random((axes.receivers, len(axes.signals)))
     slipped, flags = slipped_cycles(events, axes, rng)
-    return first + slipped, fractions, flags
+    anew, anew_flags = locked_anew(hidden, axes, rng)
+    return first + slipped + anew, fractions, flags | anew_flags
 
 
 def _noise_free(geometry, system, columns, signals):

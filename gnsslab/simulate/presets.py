@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gnsslab.simulate.events import Gap, Outage, Slip, event_claims
+from gnsslab.simulate.events import Gap, Outage, Slip, Street, event_claims
 from gnsslab.simulate.receivers import LOW_COST, SIGNALS, SURVEY, Clock, Noise
 from gnsslab.simulate.sky import NOMINAL_IONOSPHERE
 from gnsslab.simulate.trajectories import Car, Hop, Ship, Static, Turntable
@@ -184,6 +184,41 @@ _ALL = (
         Ship(),
         ((0.3, -1.0, 8.0), (0.3, 1.0, 8.0)),
         noise=LOW_COST,
+    ),
+    Preset(
+        "car-heading",
+        "A car's heading in the hills",
+        "Two antennas along the roof, a metre apart, on a road with slopes of 9 %: heading and pitch of the car itself.",
+        _ROOF,
+        "2024-06-24T08:20:00",
+        300.0,
+        Car(height=6.0, speed=15.0),
+        ((0.0, -0.5, 1.5), (0.0, 0.5, 1.5)),
+        noise=LOW_COST,
+    ),
+    Preset(
+        "car-clocks",
+        "A fast car and a clock that steps",
+        "Antennas across the roof; the rover's clock drifts half a millisecond and steps back one, while the car drives 2 cm: a degree of heading.",
+        _ROOF,
+        "2024-06-24T08:20:00",
+        300.0,
+        Car(size=400.0, speed=20.0),
+        ((-0.5, 0.0, 1.5), (0.5, 0.0, 1.5)),
+        noise=LOW_COST,
+        clocks=(Clock(offset=2.0e-6, drift=3e-9), Clock(drift=4e-5, jump=1e-3)),
+    ),
+    Preset(
+        "city-heading",
+        "A car's heading between houses",
+        "Two streets hide most of the sky, a bridge all of it: what is lost, and how soon is it back?",
+        _ROOF,
+        "2024-06-24T08:20:00",
+        300.0,
+        Car(speed=8.0),
+        ((0.0, -0.5, 1.5), (0.0, 0.5, 1.5)),
+        noise=LOW_COST,
+        events=(Street(60, 110, roofs_deg=50.0), Outage(150, 156), Street(190, 240, roofs_deg=70.0)),
     ),
     Preset(
         "drone-hop",

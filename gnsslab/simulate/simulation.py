@@ -9,7 +9,7 @@ from gnsslab.gnss import rinex
 from gnsslab.gnss.ephemerides import Ephemerides
 from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.observations import Observations
-from gnsslab.gnss.times import iso_text
+from gnsslab.gnss.times import add_seconds, iso_text
 from gnsslab.simulate.geometry import antenna_position, prepare_geometry
 from gnsslab.simulate.measurements import disturb, draw, idealise
 from gnsslab.simulate.recording import record
@@ -19,7 +19,7 @@ TRUTH_COLUMNS = "time,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg"
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What really was, at GPS times equal to the receivers' tags: the preset alone decides it."""
+    """What really was, at T GPS times (in a `Simulation` those of the receivers' tags): the preset alone decides it."""
 
     time: np.ndarray  # (T,) datetime64[ns]
     baselines_enu: np.ndarray  # (R - 1, T, 3) [m], from master to each other antenna, axes at the master
@@ -72,21 +72,22 @@ def observe_drawn(geometry, ideals, draws, noise):
         preset.name,
         tuple(record(preset, measured, receiver) for receiver in range(preset.receivers)),
         geometry.tracks.ephemerides,
-        true_motion(preset),
+        true_motion(preset, np.arange(preset.epochs) * preset.interval),
         {system: one.satellites for system, one in measured.items()},
         {system: one.signals for system, one in measured.items()},
         {system: one.integers for system, one in measured.items()},
     )
 
 
-def true_motion(preset):
-    """Return the `Truth` of a preset."""
-    seconds = np.arange(preset.epochs) * preset.interval
+def true_motion(preset, seconds):
+    """Return the `Truth` of a preset at GPS times (T,) [s] after its start, for instance at the `instants` of a receiver with a bad clock."""
     pose = preset.trajectory.at(seconds)
     master, *others = (antenna_position(preset, receiver, seconds) for receiver in range(preset.receivers))
     R_ne = enu_rotation(master)
     baselines = np.stack([np.matvec(R_ne, other - master) for other in others])
-    return Truth(preset.time, baselines, pose.heading % (2 * np.pi), pose.pitch, pose.roll, np.array(master))
+    return Truth(
+        add_seconds(np.datetime64(preset.start, "ns"), seconds), baselines, pose.heading % (2 * np.pi), pose.pitch, pose.roll, np.array(master)
+    )
 
 
 def write_simulation(folder, simulation):
