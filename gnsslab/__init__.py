@@ -18,6 +18,7 @@ _HOME_OF = {
     "solve_points": "gnsslab.gnss.points",
     "solve_relative": "gnsslab.gnss.relative",
     "dual_antenna_attitude": "gnsslab.systems.dual_antenna",
+    "heading_rate": "gnsslab.systems.heading_rate",
     "integer_least_squares": "gnsslab.core.integers",
     "decorrelate": "gnsslab.core.integers",
     "success_rate": "gnsslab.core.integers",
