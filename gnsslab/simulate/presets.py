@@ -188,7 +188,7 @@ _ALL = (
     Preset(
         "car-heading",
         "A car's heading in the hills",
-        "Two antennas along the roof, a metre apart, on a road with slopes of 9 %: heading and pitch of the car itself.",
+        "Two antennas along the roof, a metre apart, on a road with slopes of up to 13 %: heading and pitch of the car itself.",
         _ROOF,
         "2024-06-24T08:20:00",
         300.0,
@@ -199,7 +199,7 @@ _ALL = (
     Preset(
         "car-clocks",
         "A fast car and a clock that steps",
-        "Antennas across the roof; the rover's clock drifts half a millisecond and steps back one, while the car drives 2 cm: a degree of heading.",
+        "Antennas across the roof; the rover's clock is up to half a millisecond off, in which the car drives 1 cm: half a degree of heading.",
         _ROOF,
         "2024-06-24T08:20:00",
         300.0,

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from gnsslab.gnss.observations import HALF_CYCLE, SLIP
-from gnsslab.simulate import PRESETS, prepare_geometry, simulate
-from gnsslab.simulate.events import Gap, GrossError, HalfCycle, Outage, Slip
+from gnsslab.gnss.points import solve_points
+from gnsslab.simulate import PRESETS, Static, prepare_geometry, simulate, true_motion
+from gnsslab.simulate.events import Axes, Gap, GrossError, HalfCycle, Outage, Slip, Street, hidden_by_streets, locked_anew
 from gnsslab.simulate.measurements import measure
 from gnsslab.simulate.receivers import NO_NOISE
 
@@ -123,3 +124,60 @@ def test_a_gross_error_is_in_one_number_only(code, kind):
 def test_events_that_cannot_be_are_refused_in_words(event, words):
     with pytest.raises(ValueError, match=words):
         replace(PRESETS["static-baseline"], events=(event,))
+
+
+def in_a_street(roofs_deg=60.0, **changes):
+    """Return a preset, driving north at first, and its measurements of GPS in a street from epoch 10 to 29 and without it."""
+    quiet = replace(PRESETS["city-heading"], systems="G", duration=40.0, noise=NO_NOISE, events=(), **changes)
+    inside = replace(quiet, events=(Street(10, 29, roofs_deg=roofs_deg),))
+    return inside, *(measure(prepare_geometry(preset), NO_NOISE, np.random.default_rng(3))["G"] for preset in (inside, quiet))
+
+
+def test_a_street_hides_what_its_roofs_hide_and_shows_what_stands_along_it():
+    preset, inside, quiet = in_a_street(trajectory=Static(heading_deg=30.0))
+    lost = np.isfinite(quiet.value[0]) & ~np.isfinite(inside.value[0])  # (R, T, m, b)
+    assert not lost[:, [*range(10), *range(30, 40)]].any()
+    place, ephemerides = true_motion(preset, np.zeros(1)).position_ecef, prepare_geometry(preset).tracks.ephemerides
+    points = solve_points(simulate(replace(preset, events=()), np.random.default_rng(1)).observations[0], ephemerides, mask_deg=0.0)
+    assert np.linalg.norm(points.position_ecef[0] - place[0]) < 10.0
+    expected = np.zeros(len(inside.satellites), dtype=bool)
+    for m, name in enumerate(inside.satellites):
+        azimuth, elevation = (getattr(points, angle)[20, points.names.index(name)] for angle in ("azimuth", "elevation"))
+        to_the_side = np.arcsin(np.abs(np.sin(azimuth - np.radians(30.0))))  # a house 10 m away has its roof 10 tan(60 deg) up
+        expected[m] = np.tan(elevation) * 10.0 < 10.0 * np.tan(np.radians(60.0)) * np.sin(to_the_side)
+    assert 0 < expected.sum() < len(expected)
+    assert (lost[:, 20].all(axis=(0, 2)) == expected).all()
+    assert (lost[:, 20].any(axis=(0, 2)) == expected).all()
+
+
+def test_after_a_street_lock_is_new():
+    _, inside, quiet = in_a_street()
+    back = np.isfinite(inside.value[1][:, 1:]) & ~np.isfinite(inside.value[1][:, :-1]) & np.isfinite(quiet.value[1][:, :-1])
+    assert back[:, 29].any(), "at the end of the street"
+    assert ((inside.lli[:, 1:] == SLIP) == back).all()
+    step = inside.integers - quiet.integers
+    moved = np.diff(step, axis=1)[back]
+    assert (np.abs(moved) >= 1).all()
+    assert (np.abs(moved) <= 20).all()
+    assert not np.diff(step, axis=1)[~back & np.isfinite(inside.value[1][:, 1:])].any()
+
+
+def test_a_street_of_one_antenna_is_none_of_the_others():
+    event = Street(0, 0, antennas=(1,))
+    sight = np.array([[np.pi / 2]]), np.array([[0.1]])
+    assert [hidden_by_streets((event,), receiver, np.zeros(1), *sight).item() for receiver in (0, 1)] == [False, True]
+
+
+def test_without_a_street_chance_is_the_same_as_ever(rng):
+    """Random numbers drawn for streets would change every other simulation."""
+    axes = Axes(2, 3, ("G01",), ("1C",))
+    cycles, flags = locked_anew(np.zeros((2, 3, 1), dtype=bool), axes, rng)
+    assert not cycles.any()
+    assert not flags.any()
+    assert rng.random() == np.random.default_rng(20240624).random()
+
+
+@pytest.mark.parametrize("roofs_deg", [-1.0, 90.0, np.nan])
+def test_roofs_that_are_none_are_refused(roofs_deg):
+    with pytest.raises(ValueError, match="the elevation of the roofs is from 0 to below 90 degrees"):
+        replace(PRESETS["city-heading"], events=(Street(0, 1, roofs_deg=roofs_deg),))

@@ -3,11 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gnsslab.simulate import PRESETS, find_preset, prepare_geometry, simulate, with_length
+from gnsslab.simulate import PRESETS, find_preset, instants, prepare_geometry, simulate, true_motion, with_length
 from gnsslab.simulate.receivers import Clock
 
 ASKED = {
     "static-baseline", "paper-a-static", "paper-a-turntable", "car-rtk", "ship-heading", "drone-hop", "four-antennas", "static-rtk-5km",
+    "car-heading", "car-clocks", "city-heading",
 }  # fmt: skip
 
 
@@ -62,6 +63,39 @@ def test_paper_a_turns_at_six_degrees_a_second_and_misses_one_epoch_of_the_maste
     speed = np.linalg.norm(np.diff(simulation.truth.position_ecef[60:], axis=0), axis=1)
     assert speed == pytest.approx(0.0611, abs=0.0001)  # [m/s], of the master on its circle
     assert np.linalg.norm(simulation.truth.position_ecef - middle, axis=1).max() < 0.7
+
+
+def test_the_road_of_the_car_is_hilly_and_its_clock_steps():
+    truth = simulate(PRESETS["car-heading"], np.random.default_rng(1)).truth
+    slope = np.tan(truth.pitch)
+    assert (slope.max(), slope.min()) == pytest.approx((0.13, -0.13), abs=0.01)
+    apart = np.diff([instants(PRESETS["car-clocks"], receiver) for receiver in (0, 1)], axis=0)
+    assert np.abs(apart).max() == pytest.approx(0.5e-3, rel=0.05)
+    assert (np.abs(np.diff(apart)) > 0.9e-3).sum() > 5
+    speed = np.linalg.norm(np.diff(simulate(PRESETS["car-clocks"], np.random.default_rng(1)).truth.position_ecef, axis=0), axis=1)
+    assert speed.max() * 0.5e-3 / 1.0 == pytest.approx(np.radians(0.5), rel=0.2)  # of heading, half a degree
+
+
+def test_between_houses_the_sky_is_poor_and_comes_back():
+    rover = simulate(PRESETS["city-heading"], np.random.default_rng(1)).observations[1]
+    seconds = (rover.time - rover.time[0]) / np.timedelta64(1, "s")
+    seen = sum(np.bincount(table.epoch, minlength=len(rover.time)) for table in rover.tables.values())
+    assert np.setdiff1d(np.arange(300), seconds).tolist() == list(range(150, 157)), "under the bridge"
+    streets = [(seconds >= first) & (seconds <= last) for first, last in ((60, 110), (190, 240))]
+    usual = np.median(seen[~streets[0] & ~streets[1]])
+    assert seen[streets[0]].max() < usual
+    assert np.median(seen[streets[1]]) < usual / 2
+    assert seen[-1] >= usual - 2
+
+
+def test_truth_may_be_asked_for_at_the_instants_of_a_receiver():
+    preset = replace(PRESETS["car-heading"], duration=20.0, clocks=(Clock(), Clock(offset=-0.5)))
+    at_tags, later = (true_motion(preset, seconds) for seconds in (np.arange(20.0), instants(preset, 1)))
+    assert instants(preset, 1).tolist() == (np.arange(20.0) + 0.5).tolist()
+    assert (later.time - at_tags.time == np.timedelta64(500, "ms")).all()
+    np.testing.assert_array_equal(simulate(preset, np.random.default_rng(1)).truth.position_ecef, at_tags.position_ecef)
+    between = (at_tags.position_ecef[1:] + at_tags.position_ecef[:-1]) / 2
+    assert np.linalg.norm(later.position_ecef[:-1] - between, axis=1).max() < 1.0  # a / 8 of a turning car
 
 
 def test_the_length_can_be_set_and_the_direction_stays():
