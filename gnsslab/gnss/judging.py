@@ -31,13 +31,14 @@ def believed_by_ratio(outcome, integers, acceptance):
 def believed_by_odds(outcome, integers):
     """Return at which epochs (T,) the odds speak for the best of so many integers, and float values and carriers fit them.
 
-    odds = exp((s2 - s1) / (2 max(1, s1 / n))) >= 1000:  for filters whose noise is known. It is not taken for smaller than
-    assumed where an epoch happens to fit well, but for larger where one fits badly.
+    odds = exp((s2 - s1) / 2 s^2) >= 1000,    s^2 = max(1, median of s1 / n over the run):  for filters whose noise is known. A filter
+    that has seen more than single epochs is often too sure of itself, and s^2 says by how much.
     """
     first, second = outcome.cost, outcome.cost * outcome.ratio
-    is_clear = second - first >= 2 * np.log(ODDS) * np.maximum(1.0, first / np.maximum(integers, 1))
+    searched = outcome.ratio > 0
+    level = max(1.0, float(np.median(first[searched] / integers[searched]))) if searched.any() else 1.0
     fits = (first <= _WORST_FIT * (integers + 1)) & (outcome.misfit <= _WORST_FIT * (outcome.freedom + 1))
-    return is_clear & fits & (outcome.ratio > 0)
+    return searched & fits & (second - first >= 2 * np.log(ODDS) * level)
 
 
 def variance_factor(outcome, is_fixed):

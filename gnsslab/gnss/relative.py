@@ -12,7 +12,7 @@ import numpy as np
 from gnsslab.gnss.blocks import run_blocks
 from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.judging import believed_by_ratio, variance_factor
-from gnsslab.gnss.known_length import run_with_length
+from gnsslab.gnss.known_length import cautious, run_with_length
 from gnsslab.gnss.moving_base import at_rover_instants, shift_covariance
 from gnsslab.gnss.points import solve_points, solve_positions
 from gnsslab.gnss.preparation import Settings, path_of, prepare, prepare_moving, without_gaps
@@ -79,6 +79,8 @@ def solve_moving(master, rover, ephemerides, *, length=None, length_sigma=0.005,
     error of the master's Doppler velocity is in their covariance. Options and errors as in `solve_relative`.
     """
     settings = Settings(**settings)
+    if length is not None:
+        settings = replace(settings, noise=cautious(settings.noise))
     prepared = at_rover_instants(prepare_moving(master, rover, ephemerides, settings))
     relative = _relative(*_solve_with_length(prepared, settings, length, length_sigma, progress), prepared, rover.time)
     Q_enu = relative.Q_enu.copy()
