@@ -76,7 +76,7 @@ QUESTIONS = (
             r"$\cos 25° \cdot 16 = 14.50$ mm of up, $\sin 25° \cos 50° \cdot 9 = 2.44$ mm of north, $\sin 25° \sin 50° \cdot 6 = 1.94$ mm of east.",
         ),
         solution=(
-            r"$\sigma_\theta = \dfrac{1}{\ell}\sqrt{\cos^2\!\theta\,\sigma_u^2 + " 
+            r"$\sigma_\theta = \dfrac{1}{\ell}\sqrt{\cos^2\!\theta\,\sigma_u^2 + "
             r"\sin^2\!\theta\,(\cos^2\!\psi\,\sigma_n^2 + \sin^2\!\psi\,\sigma_e^2)} "
             r"= \dfrac{14.83\ \text{mm}}{1167\ \text{mm}} = 0.728°$." "\n\n"
             "Pitch is nearly twice as uncertain as heading. All satellites are above you, so up is the worst of the three."
