@@ -1,0 +1,269 @@
+"""Lab of lesson 05: paper A's figures 4 to 8, live. One campaign, solved direct, with the length, and with length and position correction."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gnsslab.labs.controls import Choice, Slider, Switch
+from gnsslab.labs.filter_modes import CM, MM, MODES, SETTLED, FilterModes, Scene, rms
+from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
+from gnsslab.systems.dual_antenna import A_STATIC
+
+AS_PRINTED = {"none": "none", "(6) pitch": "6", "(16) length row": "16", "(25) prediction": "25", "(31) residual": "31",
+              "(33) heading sigma": "33", "(34) pitch sigma": "34"}  # fmt: skip
+VELOCITY_NOISE = (0, 0.5, 2, 3, 10, 30, 100, 1000)  # [cm/s per sqrt(s)]
+LENGTHS = (0.3, 0.5, 1.167, 2, 3, 5)  # [m], the paper's among them
+LENGTH_SIGMA = (2, 5, 10, 20, 50, 200)  # [mm]
+
+CONTROLS = (
+    Choice("scene", "Scene", {"at rest": "static", "turntable": "turntable"}, "static", help="Low-cost receivers, one frequency, GPS and BeiDou."),
+    Choice("printed", "Formula as printed", AS_PRINTED, "none", help="One equation of the paper with its misprint, all others mended."),
+    Choice("length_sigma", "Sigma of the length", {f"{mm} mm": mm for mm in LENGTH_SIGMA}, 5, help="How well the filter obeys the length."),
+    Choice("velocity_noise", "Velocity noise", {f"{cm:g} cm/s": cm for cm in VELOCITY_NOISE}, 2,
+           help="How much the baseline's velocity may change in a second; direct has no such rule."),
+    Slider("multipath", "Carrier multipath", 0, 12, 0.5, 4.5, "mm", help="At the zenith; it wanders within a minute. White noise adds 3 mm."),
+    Choice("length", "Baseline length", {f"{m:g} m": m for m in LENGTHS}, 1.167, help="Distance of the two antennas; the filters know it."),
+    Choice("mode", "Numbers of", {words: name for name, words in MODES.items()}, "length",
+           help="Whose errors are read out, and whose sigma is the band.", more=True),
+    Slider("pitch", "Pitch", 0, 40, 5, 0, "deg", help="How far the baseline is tilted.", more=True),
+    Switch("hold", "Hold integers", True, help="Five fixes in a row, and the integers are written into the filter.", more=True),
+    Slider("ratio", "Ratio threshold", 1, 10, 0.5, 3, help="Second best over best squared norm, from which integers are believed.", more=True),
+    Slider("rate", "Turning rate", 0, 30, 1, 6, "deg/s", help="Of the turntable, after 50 s at rest.", more=True),
+    Slider("missing", "Master epochs missing", 0, 5, 1, 1, help="From second 218 on; the last one before serves instead.", more=True),
+    Slider("late", "Rover later by", 0, 1000, 50, 0, "ms", help="How much later than the master it measures, in true time.", more=True),
+    Slider("doppler", "Doppler noise", 0, 20, 1, 5, "cm/s", help="Of one reading; the master's velocity in (29) comes from it.", more=True),
+    Slider("seed", "Seed", 1, 100, 1, 5, help="Another seed is another draw of the noise.", more=True),
+)  # fmt: skip
+TURNTABLE_ONLY = {
+    "rate": "no effect: at rest nothing turns; choose the turntable",
+    "missing": "no effect: only the turntable's recording has a gap",
+    "late": "no effect: at rest it hardly matters when a receiver measures; choose the turntable",
+    "doppler": "no effect: at rest, with receivers that measure together, (29) shifts nothing",
+}
+
+PRESETS = (
+    Preset("paper-static", "Paper: at rest", {},
+           "Lock is lost at 300 s and 500 s: direct jumps by 51 deg. With the length the error stays below 1 deg."),
+    Preset("paper-turntable", "Paper: turntable", {"scene": "turntable", "mode": "position"},
+           "At 218 s the master's epoch is missing: the heading is 2.9 deg off, the pitch is not. With (29) 1 deg is left."),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class ThreeFiltersResult:
+    """One campaign of T epochs and its three solutions."""
+
+    settings: dict  # of the controls, all of them
+    seconds: np.ndarray  # (T,) [s] since the start
+    truth: np.ndarray  # (T, 3) [m] east, north, up, at the rover's instants
+    lost: tuple  # [s], when lock is lost
+    missing: np.ndarray  # (k,) [s], when the master has no epoch
+    solutions: dict  # Solution by name of MODES
+    problem: str = ""
+    note: str = ""
+
+    @property
+    def chosen(self):
+        """The Solution whose numbers are read out."""
+        return self.solutions[self.settings["mode"]]
+
+    @property
+    def settled(self):
+        """Which epochs count, (T,) bool."""
+        return self.seconds >= SETTLED
+
+
+class ThreeFiltersEngine:
+    """From settings to a result, on campaigns and runs that one lab instance keeps."""
+
+    def __init__(self):
+        self._modes = FilterModes()
+
+    def compute(self, **settings):
+        """Return the ThreeFiltersResult of checked settings."""
+        used = settings | (_AT_REST if settings["scene"] == "static" else {})
+        scene = Scene(used["scene"], used["length"], used["pitch"], used["rate"], used["missing"], used["late"] * MM)
+        campaign = self._modes.campaign(scene, used["multipath"] * MM, used["doppler"] * CM, used["seed"])
+        solutions = self._modes.solve(campaign, used["velocity_noise"] * CM, _filter_settings(used), used["printed"])
+        result = ThreeFiltersResult(settings, campaign.seconds, campaign.truth, campaign.lost, campaign.missing, solutions)
+        return replace(result, note=_note(result))
+
+
+_AT_REST = {"rate": 0, "missing": 0, "late": 0, "doppler": 5}
+
+
+def _filter_settings(used):
+    """Return the FilterSettings; printed, (16) takes the length for its sigma."""
+    printed, calibrated = used["printed"], A_STATIC.filter
+    return replace(
+        calibrated,
+        length=used["length"],
+        length_sigma=used["length"] if printed == "16" else used["length_sigma"] * MM,
+        ratio=used["ratio"],
+        hold_after=calibrated.hold_after if used["hold"] else 0,
+        printed_prediction=printed == "25",
+        printed_residual=printed == "31",
+    )
+
+
+def _note(result):
+    """Return one sentence on the printed formula or on what goes unseen in the picture."""
+    used, broken = result.settings, [mode for mode, found in result.solutions.items() if not np.isfinite(found.length).all()]
+    if broken:
+        return f"Covariances are no longer positive definite, and there is no answer: {', '.join(MODES[mode] for mode in broken)}."
+    if used["printed"] == "6" and used["pitch"] == 0:
+        return "At a pitch of zero (6) is as good as right: tilt the baseline, under more."
+    if used["scene"] == "static":
+        return "At rest the correction (29) changes nothing: the green line lies on the blue dots."
+    return ""
+
+
+def three_filters_lab():
+    """Return a fresh lab with caches of its own."""
+    return Lab(
+        name="three-filters", title="Three filters", controls=CONTROLS, presets=PRESETS, goals=GOALS,
+        compute=ThreeFiltersEngine().compute, figure=figure, drawings=drawings, describe=describe, readouts=readouts, table=table,
+        steering=("scene", "printed"), blocked=blocked,
+    )  # fmt: skip
+
+
+def blocked(settings):
+    """Return for each control without effect the reason why."""
+    reasons = dict(TURNTABLE_ONLY) if settings["scene"] == "static" else {}
+    if settings["printed"] == "16":
+        reasons["length_sigma"] = "no effect: (16) as printed takes the length itself for its sigma"
+    return reasons
+
+
+def figure(result):
+    """Return the whole picture as one matplotlib Figure."""
+    from gnsslab.figures.three_filters import plot_three_filters
+
+    return plot_three_filters(result)
+
+
+def drawings():
+    """Return the two pictures of the lab."""
+    from gnsslab.figures.three_filters import build_errors, build_plan
+
+    return Drawing("errors", build_errors, 500, 520), Drawing("plan", build_plan, 340, 380)
+
+
+def describe(result):
+    """Return the pictures in words."""
+    from gnsslab.figures.three_filters import describe_three_filters
+
+    return describe_three_filters(result)
+
+
+def readouts(result):
+    """Return the errors of the mode chosen, those of the others beside them, how long it was fixed, and what it claims."""
+    chosen = result.chosen
+    return [
+        _of_modes(result, "Heading error", heading_rms, "deg", "rms"),
+        _of_modes(result, "Pitch error", pitch_rms, "deg", "rms"),
+        _largest(result),
+        _of_modes(result, "Length scatter", length_scatter, "mm", ""),
+        _fixed(result),
+        Readout("Claimed sigma", _number(_typical(result, chosen.sigma_heading)), "deg", _claim_words(result)),
+    ]
+
+
+def heading_rms(result, mode):
+    """Return the heading error's rms [deg] once settled."""
+    return rms(result.solutions[mode].heading_error[result.settled])
+
+
+def pitch_rms(result, mode):
+    """Return the pitch error's rms [deg] once settled."""
+    return rms(result.solutions[mode].pitch_error[result.settled])
+
+
+def largest_heading_error(result, mode):
+    """Return the largest heading error [deg] once settled and when it was [s]; NaN without any."""
+    error = np.where(result.settled, np.abs(result.solutions[mode].heading_error), np.nan)
+    if not np.isfinite(error).any():
+        return float("nan"), 0.0
+    worst = int(np.nanargmax(error))
+    return float(error[worst]), float(result.seconds[worst])
+
+
+def length_scatter(result, mode):
+    """Return the standard deviation [mm] of the length once settled."""
+    length = result.solutions[mode].length[result.settled]
+    return float(np.std(length)) / MM
+
+
+def fixed_percent(result, mode):
+    """Return the share of fixed epochs [%], of all."""
+    return 100 * float(np.mean(result.solutions[mode].is_fixed))
+
+
+def _of_modes(result, label, measure, unit, what):
+    """Return a Readout of one measure for the mode chosen, with the other modes in its note."""
+    others = "; ".join(f"{MODES[mode]}: {_number(measure(result, mode))}" for mode in MODES if mode != result.settings["mode"])
+    return Readout(label, _number(measure(result, result.settings["mode"])), unit, f"{what}; {others}" if what else others)
+
+
+def _largest(result):
+    value, second = largest_heading_error(result, result.settings["mode"])
+    others = "; ".join(f"{MODES[mode]}: {_number(largest_heading_error(result, mode)[0])}" for mode in MODES if mode != result.settings["mode"])
+    return Readout("Largest heading error", _number(value), "deg", f"at {second:.0f} s; {others}" if np.isfinite(value) else others)
+
+
+def _fixed(result):
+    mode = result.settings["mode"]
+    fixed = result.solutions[mode].is_fixed
+    first = f"first at {result.seconds[np.argmax(fixed)]:.0f} s" if fixed.any() else "never"
+    others = "; ".join(f"{MODES[other]}: {fixed_percent(result, other):.1f}" for other in MODES if other != mode)
+    return Readout("Fixed", f"{fixed_percent(result, mode):.1f}", "%", f"{first}; {others}")
+
+
+def _claim_words(result):
+    """Return whose formula the claim is by, and that of pitch."""
+    by = {"33": "of heading, by (33) as printed", "34": "of heading; of pitch, by (34) as printed:"}.get(result.settings["printed"], "of heading")
+    pitch = _number(_typical(result, result.chosen.sigma_pitch))
+    return f"{by} {pitch}" if by.endswith(":") else f"{by}; of pitch: {pitch}"
+
+
+def _typical(result, sigma):
+    """Return the median of the finite ones once settled, NaN without any."""
+    sigma = sigma[result.settled & np.isfinite(sigma)]
+    return float(np.median(sigma)) if sigma.size else float("nan")
+
+
+def _number(value):
+    if not np.isfinite(value):
+        return "none"
+    return f"{value:.2f}" if value < 10 else f"{value:.1f}" if value < 100 else f"{value:.0f}"
+
+
+def table(result):
+    """Return what is in the pictures as columns."""
+    east, north, up = result.truth.T
+    columns = {"time_s": result.seconds, "true_east_m": east, "true_north_m": north, "true_up_m": up}
+    for mode, found in result.solutions.items():
+        columns |= {f"{mode}_{axis}_m": values for axis, values in zip(("east", "north", "up"), found.baseline.T, strict=True)}
+        columns |= {f"{mode}_heading_error_deg": found.heading_error, f"{mode}_pitch_error_deg": found.pitch_error}
+        columns |= {f"{mode}_length_m": found.length, f"{mode}_is_fixed": found.is_fixed}
+    return columns
+
+
+def _judge_sharp(result):
+    used, error = result.settings, heading_rms(result, "length")
+    by_rule = used["scene"] == "static" and used["multipath"] >= 4.5 and used["printed"] == "none"
+    return by_rule and error < 0.1, standing(f"{_number(error)} deg with the length", by_rule)
+
+
+def _judge_lag(result):
+    used, error = result.settings, heading_rms(result, "length")
+    by_rule = used["scene"] == "turntable" and used["rate"] >= 20 and used["missing"] == 0 and used["late"] == 0
+    return by_rule and error < 0.5, standing(f"{_number(error)} deg with the length", by_rule)
+
+
+GOALS = (
+    Goal("sharp", "At rest, carrier multipath of 4.5 mm or more, nothing misprinted: bring the heading error with the length below 0.1 deg rms.",
+         _judge_sharp),
+    Goal("lag", "Turntable at 20 deg/s or more, no epoch missing, receivers in step: bring the heading error with the length below 0.5 deg rms.",
+         _judge_lag),
+)  # fmt: skip
