@@ -116,8 +116,11 @@ def with_length(preset, length):
 
 
 # Paper A (papers' calibration): low-cost receivers at 25.286 N 110.33 E, GPS L1 and BeiDou B1I of the second generation.
+# The paper gives no time of day, so the start is free. Of the minutes of a week with 15 satellites in view throughout, this one's
+# geometry comes nearest to the calibrated scatter: sigma 0.42 deg of heading, 1.27 of pitch by one epoch of carriers, 3.0 times as much.
 _PAPER_A = {
     "site": (25.286, 110.33, 150.0),
+    "start": "2019-03-16T12:35:00",
     "systems": "GC",
     "bands": 1,
     "satellites": tuple([f"G{k:02d}" for k in range(1, 33)] + [f"C{k:02d}" for k in (*range(1, 13), 14)]),
@@ -143,7 +146,6 @@ _ALL = (
         "paper-a-static",
         "Paper A: low-cost receivers at rest",
         "Every satellite loses lock at 300 and at 500 s: does the heading survive it?",
-        start="2019-03-12T17:00:00",
         duration=650.0,
         trajectory=Static(heading_deg=35.0),
         antennas=((0.0, 0.0, 0.0), (0.0, 1.167, 0.0)),
@@ -154,7 +156,6 @@ _ALL = (
         "paper-a-turntable",
         "Paper A: low-cost receivers on a turntable",
         "Still for 50 s, then 6 degrees a second; lock is lost at 150 s, and the master's epoch 218 is missing.",
-        start="2019-03-12T17:00:00",
         duration=300.0,
         trajectory=Turntable(still=50.0, rate_deg_s=6.0, heading_deg=35.0),
         antennas=((0.0, -0.5835, 0.0), (0.0, 0.5835, 0.0)),

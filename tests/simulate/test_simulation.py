@@ -96,7 +96,7 @@ def test_the_truth_is_written_as_agreed(tmp_path):
     lines = (tmp_path / "truth.csv").read_text().splitlines()
     assert lines[0] == "time,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg"
     assert len(lines) == 1 + 300  # also the epoch that the master missed
-    assert lines[1].startswith("2019-03-12T17:00:00.000,")
+    assert lines[1].startswith("2019-03-16T12:35:00.000,")
     assert "-0.00000," not in "\n".join(lines)
     values = np.array([[float(x) for x in line.split(",")[1:]] for line in lines[1:]])
     assert np.abs(values[:, :3] - simulation.truth.baselines_enu[0]).max() < 0.01 * MM

@@ -166,7 +166,7 @@ def test_simulated_attitude_is_recovered_within_its_sigma(name, changes, known):
 
 
 def test_low_cost_receivers_survive_a_loss_of_all_locks():
-    simulation = simulated("paper-a-static", duration=120.0, events=(Slip(60, antennas=(1,)),))
+    simulation = simulated("paper-a-static", duration=120.0, events=(Slip(60, antennas=(1,)),), noise=LOW_COST)
     attitude = attitude_of(simulation, frequencies=1, length=1.167)
     is_fixed = attitude.status == Status.FIXED
     assert is_fixed[:60].any()
