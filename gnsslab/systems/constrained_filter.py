@@ -54,7 +54,7 @@ class FilterSettings:
 
 
 class FilterRun(NamedTuple):
-    """What the filter found at each of T epochs, with c channels; axes of vectors are ECEF, `in_enu` turns them."""
+    """What the filter found at each of T epochs, with c channels; axes of vectors are east, north, up."""
 
     baseline_float: np.ndarray  # (T, 3) [m]
     Q_float: np.ndarray  # (T, 3, 3) [m^2]
@@ -286,7 +286,10 @@ def _given(x, P, p, pairs, integers):
 
 @kernel
 def _integer_innovation(x, P, p, pairs, integers, variance):
-    """Return W = C^-1 [T P, a - T x] (d, n + 1), T x the double-difference ambiguities, C C' = T P T' + variance I."""
+    """Return W = C^-1 [T P, a - T x] (d, n + 1), T x the double-difference ambiguities, C C' = T P T' + variance T T' / 2.
+
+    With that pattern, 1 on and 1/2 off the diagonal, it does not matter which channel is the reference.
+    """
     d, n = len(pairs), len(x)
     S, W = matrix(d, d), matrix(d, n + 1)
     for r in range(d):
@@ -296,7 +299,8 @@ def _integer_innovation(x, P, p, pairs, integers, variance):
         W[r][n] = integers[r] - (x[i] - x[j])
         for q in range(r + 1):
             S[r][q] = W[r][p + pairs[q][0]] - W[r][p + pairs[q][1]]
-        S[r][r] += variance
+            if pairs[q][1] == pairs[r][1]:
+                S[r][q] += variance if q == r else 0.5 * variance
     factor_cholesky(S)
     solve_lower(S, W)
     return W
