@@ -28,13 +28,13 @@ def open_inputs(files, span, output, plot):
     return read_inputs(*files, span)
 
 
-def finish(command, given, inputs, solution, output, plot, draw):
+def finish(command, given, inputs, solution, output, plot, draw, method=""):
     """Draw the picture where one is wanted, write what made the outputs beside them, and say how it went."""
     from gnsslab.cli.outputs import write_provenance
 
     if plot:
         draw(solution).savefig(plot)
-    write_provenance([output, plot] if plot else [output], command, given, inputs.files, inputs.notes)
+    write_provenance([output, plot] if plot else [output], command, given, inputs.files, inputs.notes, method)
     say_notes(inputs.notes)
     if not solution.status.any():
         note("no epoch has a solution: look at both files with `gnsslab info`, and lower --mask-deg or add --systems")

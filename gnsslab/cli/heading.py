@@ -10,7 +10,9 @@ from gnsslab.cli import options as o
 EXAMPLE = "Example: gnsslab heading master.obs rover.obs broadcast.nav -o heading.csv --length 1.167"
 
 Output = Annotated[str, typer.Option("-o", "--output", metavar="OUT.csv", help="Table to write.")]
-Length = Annotated[float | None, typer.Option("--length", metavar="M", show_default=False, help="Known distance of the antennas [m].")]
+Length = Annotated[
+    float | None, typer.Option("--length", metavar="M", show_default=False, help="Distance of the antennas [m], used to fix integers.")
+]
 LengthSigma = Annotated[float, typer.Option("--length-sigma", metavar="M", show_default=False, help="Its standard deviation [0.005].")]
 MountHeading = Annotated[
     float, typer.Option("--mount-heading", metavar="DEG", show_default=False, help="Heading of the baseline on the vehicle [0].")
@@ -62,7 +64,23 @@ def _heading(given, files, span, solver, output, plot):
     with progress_bar("heading") as progress:
         attitude = dual_antenna_attitude(inputs.master, inputs.rover, inputs.ephemerides, **solver, progress=progress)
     write_attitude_csv(output, attitude, inputs.rover.time)
-    finish("heading", given, inputs, attitude, output, plot, _picture)
+    inputs = inputs._replace(notes=(*inputs.notes, *_unpaired(inputs.master.time, inputs.rover.time), *attitude.warnings))
+    finish("heading", given, inputs, attitude, output, plot, _picture, _method(solver["length"], solver["length_sigma"]))
+
+
+def _unpaired(time_master, time_rover):
+    """Say how many of the rover's epochs have none of the master's, where there are any."""
+    from gnsslab.gnss.differences import common_epochs
+
+    common, all_ = len(common_epochs(time_master, time_rover)[0]), len(time_rover)
+    return [] if common == all_ else [f"the master has an epoch for {common} of the rover's {all_}: the others have no heading"]
+
+
+def _method(length, length_sigma):
+    """Say for the record what is made of the known length."""
+    if length is None:
+        return "length not used"
+    return f"length {length:g} m, sigma {length_sigma:g} m: in the search for the integers, and as a measurement of the baseline they give"
 
 
 def _picture(attitude):

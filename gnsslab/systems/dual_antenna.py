@@ -4,6 +4,7 @@ The equations are those of the paper with its misprints mended: (5), (6) angles 
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -12,9 +13,7 @@ from gnsslab.gnss.preparation import Settings
 from gnsslab.gnss.relative import Status, solve_moving
 from gnsslab.gnss.weighting import NoiseModel
 from gnsslab.systems.constrained_filter import FilterSettings
-
-CONTRADICTION = 5.0  # sigma between the measured and the known length: an innocent epoch fails once in two million times
-_HALF = 0.5
+from gnsslab.systems.length_check import checked_by_length
 
 
 @dataclass(frozen=True)
@@ -55,6 +54,7 @@ class Attitude:
     sigma_pitch: np.ndarray  # (T,) [rad]
     ratio: np.ndarray  # (T,) second best over best squared norm of the integer search
     satellites: np.ndarray  # (T,) int, used
+    warnings: tuple[str, ...] = ()  # what there is to say about the known length, in words
 
     def __repr__(self):
         fixed, floats = (int((self.status == status).sum()) for status in (Status.FIXED, Status.FLOAT))
@@ -74,34 +74,39 @@ def dual_antenna_attitude(master, rover, ephemerides, *, length=None, length_sig
     `mount_heading` [rad] is where the baseline points when the vehicle heads north. `settings` are those of
     `gnss.preparation.Settings`: systems, frequencies or signals, mask_deg, single_epoch...
     A fixed epoch that the length contradicts becomes float, its baseline as measured: either its integers are wrong or the tape is.
-    Raises ValueError without common epochs or satellites, for a length or sigma that is not positive, or where the length
-    contradicts most fixed epochs: those fixed with it, or without it where with it less than half are fixed.
+    Where the length fits badly, or leaves most epochs float, `Attitude.warnings` says so.
+    Raises ValueError without common epochs or satellites, for a length or sigma that is not positive, or where most fixed epochs
+    agree on another length (`systems.length_check`).
     """
     _check_length(length, length_sigma)
-    relative = solve_moving(master, rover, ephemerides, length=length, length_sigma=length_sigma, progress=progress, **settings)
-    if length is not None and np.mean(relative.status == Status.FIXED) < _HALF:
-        _where_length_fits(solve_moving(master, rover, ephemerides, **settings), length, length_sigma)
-    baseline, Q = relative.baseline_enu, relative.Q_enu
-    status = relative.status
-    if length is not None:
-        status = _where_length_fits(relative, length, length_sigma)
-        fits = (status == relative.status)[:, None]
-        b_known, Q_known = with_known_length(baseline, Q, length, length_sigma)
-        baseline, Q = np.where(fits, b_known, baseline), np.where(fits[..., None], Q_known, Q)
-    heading, pitch = heading_pitch_of(baseline)
-    sigma_heading, sigma_pitch = angle_sigmas(baseline, Q)
+    solve = partial(solve_moving, master, rover, ephemerides, **settings)
+    if length is None:
+        return _attitude(solve(progress=progress), mount_heading)
+    found = solve(length=length, length_sigma=length_sigma, progress=progress)
+    relative, warnings = checked_by_length(found, length, length_sigma, solve)
+    fits = (relative.status == found.status)[:, None]
+    b_known, Q_known = with_known_length(found.baseline_enu, found.Q_enu, length, length_sigma)
+    baseline, Q = np.where(fits, b_known, found.baseline_enu), np.where(fits[..., None], Q_known, found.Q_enu)
+    return _attitude(replace(relative, baseline_enu=baseline, Q_enu=Q), mount_heading, warnings)
+
+
+def _attitude(relative, mount_heading, warnings=()):
+    """Return the Attitude that a Relative tells."""
+    heading, pitch = heading_pitch_of(relative.baseline_enu)
+    sigma_heading, sigma_pitch = angle_sigmas(relative.baseline_enu, relative.Q_enu)
     return Attitude(
         time=relative.time,
-        status=status,
+        status=relative.status,
         heading=(heading - mount_heading) % (2 * np.pi),
         pitch=pitch,
-        length=np.linalg.norm(baseline, axis=-1),
-        baseline_enu=baseline,
-        Q_enu=Q,
+        length=np.linalg.norm(relative.baseline_enu, axis=-1),
+        baseline_enu=relative.baseline_enu,
+        Q_enu=relative.Q_enu,
         sigma_heading=sigma_heading,
         sigma_pitch=sigma_pitch,
         ratio=relative.ratio,
         satellites=relative.satellites,
+        warnings=warnings,
     )
 
 
@@ -143,20 +148,6 @@ def with_known_length(baseline, Q, length, length_sigma):
     updated = baseline + gain * (length - norm)
     Q_updated = Q - gain[..., None] * QH[..., None, :]
     return np.where(sure[..., None], updated, baseline), np.where(sure[..., None, None], Q_updated, Q)
-
-
-def _where_length_fits(relative, length, length_sigma):
-    """Return the status (T,) with fixed epochs made float where |b| and the length differ by more than five of their sigma."""
-    norm = np.linalg.norm(relative.baseline_enu, axis=-1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        H = relative.baseline_enu / norm[:, None]
-        sigma = np.sqrt(np.einsum("ti,tij,tj->t", H, relative.Q_enu, H) + length_sigma**2)
-        is_contradicted = (relative.status == Status.FIXED) & (np.abs(norm - length) > CONTRADICTION * sigma)
-    fixed = relative.status == Status.FIXED
-    if is_contradicted.sum() > fixed.sum() * _HALF:
-        measured = np.median(norm[fixed])
-        raise ValueError(f"the antennas are {measured:.3f} m apart by most fixed epochs, not {length:g} m: measure the length again, or leave it out")
-    return np.where(is_contradicted, np.int8(Status.FLOAT), relative.status)
 
 
 def _check_length(length, length_sigma):

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from gnsslab.core.rotations import heading_pitch_of
 from gnsslab.gnss.relative import Status, solve_moving
 from gnsslab.simulate import LOW_COST, Slip, find_preset, observe, prepare_geometry
-from gnsslab.systems import dual_antenna
 from gnsslab.systems.dual_antenna import angle_sigmas, dual_antenna_attitude, with_known_length
 
 MM, CM = 1e-3, 1e-2  # [m]
@@ -220,26 +219,3 @@ def test_it_reads_aloud(roof):
     assert repr(attitude).endswith(" deg")
     none = replace(attitude, status=np.zeros(60, dtype=np.int8))
     assert repr(none) == "Attitude: 60 epochs, none solved"
-
-
-# A length that contradicts the measurements.
-
-
-def test_a_length_that_contradicts_the_measurements_is_refused(campaign):
-    roof = campaign("matrtklib-static")
-    with pytest.raises(ValueError, match=r"the antennas are 0\.99\d m apart by most fixed epochs, not 1\.2 m"):
-        dual_antenna_attitude(roof.base, roof.rover, roof.ephemerides, length=1.2)
-    with pytest.raises(ValueError, match="more than 0 m, not inf"):
-        dual_antenna_attitude(roof.base, roof.rover, roof.ephemerides, length=np.inf)
-
-
-def test_a_single_epoch_that_the_length_contradicts_is_not_called_fixed(campaign):
-    """Integers of one satellite moved by a wavelength would do this; here the tape is honest and one epoch is bent by hand."""
-    roof = campaign("matrtklib-static")
-    honest = dual_antenna_attitude(roof.base, roof.rover, roof.ephemerides, length=0.9902)
-    assert (honest.status == Status.FIXED).all()
-    relative = solve_moving(roof.base, roof.rover, roof.ephemerides)
-    bent = relative.baseline_enu.copy()
-    bent[7] *= 1.1
-    status = dual_antenna._where_length_fits(replace(relative, baseline_enu=bent), 0.9902, 0.005)
-    assert np.flatnonzero(status != Status.FIXED).tolist() == [7]
