@@ -35,6 +35,7 @@ class Settings:
     acceleration: float = 3.0  # [m/s^2 per sqrt(Hz)] of a moving rover, see motion.moving
     acceptance: float = 16.0  # c of `ratio_threshold`
     longest_age: float = 0.0  # [s] of a master epoch that serves a later epoch of the rover; 0: common epochs only
+    position_correction: bool = True  # of a moving master, for the time between the receivers' measurements (paper A, equation 29)
 
 
 class Prepared(NamedTuple):

@@ -81,8 +81,12 @@ def solve_moving(master, rover, ephemerides, *, length=None, length_sigma=0.005,
     settings = Settings(**settings)
     if length is not None:
         settings = replace(settings, noise=cautious(settings.noise))
-    prepared = at_rover_instants(prepare_moving(master, rover, ephemerides, settings))
+    prepared = prepare_moving(master, rover, ephemerides, settings)
+    if settings.position_correction:
+        prepared = at_rover_instants(prepared)
     relative = _relative(*_solve_with_length(prepared, settings, length, length_sigma, progress), prepared, rover.time)
+    if not settings.position_correction:
+        return relative
     Q_enu = relative.Q_enu.copy()
     Q_enu[prepared.model.pair.epoch] += shift_covariance(prepared)
     return replace(relative, Q_enu=Q_enu)
