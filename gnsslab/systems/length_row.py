@@ -11,10 +11,9 @@ from enum import IntEnum
 
 from gnsslab.core.jit import kernel, matrix, vector
 from gnsslab.core.kalman import add_multiple, update
+from gnsslab.core.sphere import principal_axes, sphere_kernel
 
 _SURE = 0.1  # of the length: a baseline with a larger sigma is no place to linearise the length at (RTKLIB's guard)
-_ROUNDS = 10  # of the iterated row; two to four are usual
-_ENOUGH = 1e-6  # [m], step at which it stops
 
 
 class LengthUse(IntEnum):
@@ -51,15 +50,12 @@ def update_by_length(x, P, length, sigma, use):
         b[axis] = x[axis]
     if use == _GUARDED and P[0][0] + P[1][1] + P[2][2] > 3.0 * (_SURE * length) ** 2:
         return _DROPPED, math.nan, math.nan
+    if use == _ITERATED:
+        _go_to_most_likely(x, P, b, length, variance)
     z, S = _linearised(x, P, b, h, length, variance)
     if use == _SECOND_ORDER:
         bias, spread = _curvature(P, b, h)
         z, S = z - bias, S + spread
-    if use == _ITERATED:
-        for _ in range(_ROUNDS):
-            if _step(x, P, b, h, z / S) < _ENOUGH:
-                break
-            z, S = _linearised(x, P, b, h, length, variance)
     _update_by_row(x, P, h, z, S)
     return _USED, z, math.sqrt(S)
 
@@ -79,16 +75,27 @@ def _linearised(x, P, b, h, length, variance):
 
 
 @kernel
-def _step(x, P, b, h, gain):
-    """Move b to x_b + P h gain, in place; return how far."""
-    square = 0.0
+def _go_to_most_likely(x, P, b, length, variance):
+    """Move b, in place, to where the iteration ends: the least of (b - x_b)' P_b^-1 (b - x_b) + (l - |b|)^2 / sigma^2.
+
+    Found at once, as Gauss and Newton's steps leave a sphere again that is small beside the sigma of b. The same cost has a
+    b + e on the sphere, e ~ N(0, sigma^2 I): with Q = P_b + sigma^2 I, s the point nearest to x_b in its metric, b is
+    s - sigma^2 Q^-1 (s - x_b), and both parts point to s.
+    """
+    Q, V, rows = matrix(3, 3), matrix(3, 3), matrix(3, 3)
+    q, turned, s = rows[0], rows[1], rows[2]
     for i in range(3):
-        moved = x[i]
         for j in range(3):
-            moved += P[i][j] * h[j] * gain
-        square += (moved - b[i]) ** 2
-        b[i] = moved
-    return math.sqrt(square)
+            Q[i][j] = P[i][j] + (variance if i == j else 0.0)
+    principal_axes(Q, q, V)
+    for i in range(3):
+        for j in range(3):
+            turned[i] += V[i][j] * x[j]
+    sphere_kernel(turned, q, length, s)
+    for j in range(3):
+        b[j] = 0.0
+        for i in range(3):
+            b[j] += V[i][j] * (s[i] - variance * (s[i] - turned[i]) / q[i])
 
 
 @kernel
