@@ -28,6 +28,7 @@ LONGEST = 650  # epochs of one's own files
 ROOF = "matrtklib-static"
 ONE_CARRIER = Settings(frequencies=1)
 AS_USUAL = 1.0
+NOTHING = "There is no answer to judge."
 SIMULATED = {"survey": "static-baseline", "paper": A_STATIC.preset}
 FILES = ("master_file", "rover_file", "navigation_file")
 ROWS = ("guarded", "row", "iterated", "second")  # the forms with a row
@@ -65,7 +66,7 @@ PRESETS = (
     Preset("row-always", "Row at every epoch", {"form": "row", "satellites": 9},
            "Nine satellites: all epochs are fixed with no length, and none with a row from the first epoch on."),
     Preset("iterated-row", "Iterated", {"form": "iterated", "satellites": 6},
-           "A lottery: 96 % right with six satellites, and none with five, seven, eight or nine."),
+           "A lottery: 97 % right with six satellites, and none with five, seven, eight or nine."),
     Preset("second-order", "Second order", {"form": "second"},
            "Modest at first and sure of itself later: 95 % of the epochs are fixed, and wrong."),
     Preset("in-the-search", "In the search", {"form": "search", "satellites": 5},
@@ -74,14 +75,14 @@ PRESETS = (
            "The codes of one epoch never pass the guard: the row is dropped at all epochs, just where it would help. In the search: 93 %."),
     Preset("two-centimetres", "2 cm wrong", {"memory": "single", "satellites": 6, "length_error": 2, "form": "search"},
            "The search finds fewer baselines of that length: 22 % are fixed instead of 93 %, but none of them wrong."),
-    Preset("ten-centimetres", "10 cm wrong", {"length_error": 10, "satellites": 6},
-           "A filter that holds what it believes: the guarded row makes 73 % of the epochs wrong, the search 39 %."),
+    Preset("ten-centimetres", "10 cm wrong", {"length_error": 10},
+           "The rows fix 66 to 97 % of the epochs wrong, the search nearly none. At -10 cm the search is taken in too; our engine is not."),
     Preset("noise-halved", "Half the noise", {"noise": 0.5, "satellites": 6},
            "Told half the noise, the guard lets the row in sooner, after 18 % of the epochs, and none is right; as usual it was 74 %."),
-    Preset("added-multipath", "Multipath", {"multipath": 1, "satellites": 9, "form": "search"},
-           "A metre on the codes, half a centimetre on the carriers: half the epochs in the search. Our engine knows that it lasts: all."),
-    Preset("paper-receivers", "The paper's receivers", {"data": "paper", "systems": "GC", "satellites": 15},
-           "Fifteen satellites are sure of the baseline when the guard opens: no harm is done, and no good. A row at every epoch fixes none."),
+    Preset("added-multipath", "Multipath", {"multipath": 0.7, "satellites": 9, "form": "search"},
+           "0.7 m on the codes: 53 % with no length, none with the guarded row, 78 % with the search. Our engine knows that it lasts: all."),
+    Preset("paper-receivers", "The paper's receivers", {"data": "paper", "systems": "GC", "satellites": 15, "seed": 5},
+           "Fifteen satellites are sure of the baseline when the guard opens: no harm is done, and little good. A row from the start fixes none."),
 )  # fmt: skip
 
 
@@ -255,7 +256,7 @@ def readouts(result):
     run, without = result.run, result.runs["nowhere"]
     return [
         Readout("Fixed, right", f"{100 * run.right.rate:.1f}", "%", f"of {len(run.off)} epochs; with no length {100 * without.right.rate:.1f} %"),
-        Readout("Fixed, wrong", f"{100 * run.wrong.rate:.1f}", "%", f"more than 5 cm off; with no length {100 * without.wrong.rate:.1f} %"),
+        Readout("Fixed, wrong", f"{100 * run.wrong.rate:.1f}", "%", f"half a cycle off or more; with no length {100 * without.wrong.rate:.1f} %"),
         row_readout(result),
         Readout("Error", *_in_words(float(np.median(run.off))), "median of all epochs, float ones included"),
         Readout("In the search", f"{100 * result.runs['search'].right.rate:.1f}", "%", f"fixed and right, {_first_words(result)}"),
@@ -299,16 +300,18 @@ def table(result):
 
 def _judge_alone(result):
     if result.problem:
-        return False, "There is no answer to judge."
+        return False, NOTHING
     used, run = result.settings, result.run
-    by_rule = used["data"] == "roof" and used["systems"] == "G" and used["memory"] == "single" and len(result.satellites) <= 5
-    reached = run.right.rate >= 0.8 and run.wrong.successes == 0
+    by_rule = (
+        used["data"] == "roof" and used["systems"] == "G" and used["multipath"] == 0 and used["memory"] == "single" and len(result.satellites) <= 5
+    )
+    reached = run.right.rate >= 0.95 and run.wrong.successes == 0
     return by_rule and reached, standing(_shares_words(run), by_rule)
 
 
 def _judge_harm(result):
     if result.problem:
-        return False, "There is no answer to judge."
+        return False, NOTHING
     used, run = result.settings, result.run
     by_rule = used["data"] == "roof" and used["form"] == "guarded" and used["length_error"] == 0 and used["multipath"] == 0
     harmed = run.wrong.rate >= 0.8 and result.runs["nowhere"].wrong.successes == 0
@@ -320,7 +323,7 @@ def _shares_words(run):
 
 
 GOALS = (
-    Goal("five-alone", "The roof, GPS, each epoch alone, five satellites: fix 80 % of the epochs, none of them wrong.", _judge_alone),
+    Goal("five-alone", "The roof, GPS, each epoch alone, five satellites: fix 95 % of the epochs, none of them wrong.", _judge_alone),
     Goal("do-harm", "The roof, the right length, no multipath: find where the guarded row makes 80 % of the epochs fixed and wrong, "
          "while with no length none is.", _judge_harm),
 )  # fmt: skip

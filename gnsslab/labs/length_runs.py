@@ -16,7 +16,7 @@ from gnsslab.systems.constrained_filter import direct_path, run_filter, steady_p
 from gnsslab.systems.dual_antenna import A_STATIC
 from gnsslab.systems.length_row import LengthUse, RowState
 
-WRONG = 0.05  # [m], a fixed epoch farther than this from the truth has wrong integers: right ones leave a centimetre
+WRONG = 0.5  # cycles between the carriers of any two satellites, as baseline and truth predict them: other integers are whole ones away
 
 # What each form is called; the engine is that of `gnsslab heading`, with its own filter and its own way to believe.
 FORMS = {
@@ -37,6 +37,7 @@ class FormRun:
     baseline: np.ndarray  # (T, 3) [m] east, north, up: fixed where it is, else float
     is_fixed: np.ndarray  # (T,) bool
     off: np.ndarray  # (T,) [m], distance from the truth
+    cycles_off: np.ndarray  # (T,) most by which carriers of two satellites differ from what the truth predicts
     ratio: np.ndarray  # (T,)
     row_state: np.ndarray  # (T,) of RowState
 
@@ -47,13 +48,13 @@ class FormRun:
 
     @property
     def is_wrong(self):
-        """Fixed and farther from the truth than five centimetres, (T,) bool."""
-        return self.is_fixed & (self.off > WRONG)
+        """Fixed, with a baseline that asks for other integers than the truth does, (T,) bool."""
+        return self.is_fixed & (self.cycles_off > WRONG)
 
     @property
     def is_right(self):
-        """Fixed, and within, (T,) bool."""
-        return self.is_fixed & (self.off <= WRONG)
+        """Fixed, with one that asks for the same, (T,) bool."""
+        return self.is_fixed & (self.cycles_off <= WRONG)
 
     @property
     def right(self):
@@ -85,7 +86,7 @@ def run_form(pair, truth, form, memory, filter_settings):
     if form == "engine":
         return run_engine(pair, truth, filter_settings.length, filter_settings.length_sigma)
     found = run_filter(pair.prepared, _path(pair, memory), replace(filter_settings, length_use=FORMS[form]))
-    return _form_run(found.baseline, found.is_fixed, truth, found.ratio, found.row_state)
+    return _form_run(pair, truth, found.baseline, found.is_fixed, found.ratio, found.row_state)
 
 
 def run_engine(pair, truth, length=None, length_sigma=0.005):
@@ -99,7 +100,7 @@ def run_engine(pair, truth, length=None, length_sigma=0.005):
         outcome = solution.outcome
     b_ecef = np.where(is_fixed[:, None], outcome.baseline_fixed, outcome.baseline_float)
     b = np.matvec(enu_rotation(pair.prepared.master_ecef), b_ecef)
-    return _form_run(b, is_fixed, truth, outcome.ratio, np.full(len(b), RowState.NONE))
+    return _form_run(pair, truth, b, is_fixed, outcome.ratio, np.full(len(b), RowState.NONE))
 
 
 def with_noise(pair, factor):
@@ -116,5 +117,22 @@ def _path(pair, memory):
     return direct_path(prepared) if memory == "direct" else steady_path(prepared, np.array(A_STATIC.velocity_noise))
 
 
-def _form_run(baseline, is_fixed, truth, ratio, row_state):
-    return FormRun(baseline, is_fixed, np.linalg.norm(baseline - truth, axis=-1), ratio, row_state)
+def _form_run(pair, truth, baseline, is_fixed, ratio, row_state):
+    error = baseline - truth
+    return FormRun(baseline, is_fixed, np.linalg.norm(error, axis=-1), _cycles_off(pair, error), ratio, row_state)
+
+
+def _cycles_off(pair, error):
+    """Return the largest double difference (T,) [cycles] that an error (T, 3) [m] of the baseline makes between channels of one group.
+
+    It leaves out what the satellites do not see: right integers may leave decimetres where few satellites stand badly.
+    """
+    model = pair.prepared.model
+    e_ecef = np.matvec(enu_rotation(pair.prepared.master_ecef).swapaxes(-1, -2), error)
+    cycles = np.einsum("tci,ti->tc", model.design, e_ecef) / model.pair.wavelength
+    spread = np.zeros(len(error))
+    for group in np.unique(model.pair.group):
+        belongs = model.usable & (model.pair.group == group)
+        top, bottom = (extreme(cycles, axis=1, initial=fill, where=belongs) for extreme, fill in ((np.max, -np.inf), (np.min, np.inf)))
+        spread = np.maximum(spread, np.where(belongs.any(axis=1), top - bottom, 0.0))
+    return spread
