@@ -3,24 +3,24 @@
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Polygon
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter
-from scipy.special import chdtr
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from gnsslab.figures.kept import Scene, new_figure, styled
-from gnsslab.labs.filter_health import INSIDE, NEVER, START_SPAN, STARTS, USES, WINDOW, nis_bounds, running_mean
 
 CARRIER, CODE, WRONG_COLOR, DARK, FAINT, BAND = "#0072B2", "#C86400", "#D55E00", "#111111", "#9AA7B0", "#8FBEE0"
 FLOAT_COLOR, FIXED_COLOR, HELD_COLOR = "#E4E4E4", "#8FBEE0", "#0072B2"
-USE_STYLES = (
-    {"color": "#777777", "linestyle": "--"},
-    {"color": "#C86400", "linestyle": "-."},
-    {"color": "#0072B2", "linestyle": "-"},
-)
+USE_STYLES = {
+    "no length": {"color": "#777777", "linestyle": "-", "linewidth": 4},
+    "row": {"color": "#C86400", "linestyle": "--", "linewidth": 2.0},
+    "search": {"color": "#0072B2", "linestyle": "-", "linewidth": 2.0},
+}
 MILLIMETRES = (10, 20, 30, 50, 100, 200, 300, 500, 1000)  # half heights of the innovations' axis
 DEGREES = (0.5, 1, 2, 5, 10, 30, 90, 180)  # of the heading's
 KNOWN = 0.15  # [m], sigma above which an innovation tells nothing: its ambiguity was just opened
 LEAST_NIS, MOST_NIS = 0.3, 3000.0
 NIS_TICKS = (1, 3, 10, 30, 100, 300, 1000)
+MOST_EPOCHS = 45  # [%], of the axis
+SPAN = 120  # [s], of the axis of first fixes
 BINS = np.geomspace(LEAST_NIS, MOST_NIS, 61)
 
 
@@ -36,7 +36,7 @@ def plot_health(result, figure=None):
 
 def build_over_time(figure):
     """Lay out innovations, NIS, the error of heading and the strip of fixes, one below the other; show(result) fills them in."""
-    boxes = ((0.125, 0.735, 0.86, 0.205), (0.125, 0.445, 0.86, 0.225), (0.125, 0.175, 0.86, 0.205), (0.125, 0.095, 0.86, 0.025))
+    boxes = ((0.135, 0.745, 0.84, 0.205), (0.135, 0.455, 0.84, 0.225), (0.135, 0.185, 0.84, 0.205), (0.135, 0.085, 0.84, 0.04))
     axes = [figure.add_axes(box) for box in boxes]
     for panel in axes[:3]:
         panel.tick_params(labelbottom=False)
@@ -46,7 +46,7 @@ def build_over_time(figure):
     def show(result):
         last = float(result.health.seconds[-1])
         for panel in axes:
-            panel.set_xlim(-0.01 * last, 1.01 * last)
+            panel.set_xlim(-0.01 * last, 1.02 * last)
         return last, *(part.show(result.health) for part in parts)
 
     return Scene(tuple(artist for part in parts for artist in part.moving), show)
@@ -54,8 +54,8 @@ def build_over_time(figure):
 
 def build_shares(figure):
     """Lay out how often which NIS comes, and the first fixes of many starts; show(result) fills them in."""
-    spread = _Spread(figure.add_axes((0.145, 0.615, 0.82, 0.30)))
-    starts = _FirstFixes(figure.add_axes((0.145, 0.105, 0.82, 0.325)))
+    spread = _Spread(figure.add_axes((0.16, 0.615, 0.79, 0.30)))
+    starts = _FirstFixes(figure.add_axes((0.16, 0.105, 0.79, 0.325)))
 
     def show(result):
         spread.show(result.health)
@@ -69,17 +69,17 @@ class _Innovations:
 
     def __init__(self, axes):
         self.axes = axes
-        axes.set_ylabel("innovation [mm]")
+        axes.set_ylabel("innovation [mm]", labelpad=1)
         axes.yaxis.set_major_locator(MaxNLocator(5, symmetric=True))
-        self.band = axes.add_patch(Polygon([(0.0, 0.0)], facecolor=BAND, alpha=0.55, linewidth=0, label="its 2 sigma"))
-        (self.all,) = axes.plot([], [], color=FAINT, linewidth=0.35, alpha=0.7, label="all pairs")
-        (self.one,) = axes.plot([], [], color=CARRIER, linewidth=0.9, label="G26")
+        self.band = axes.add_patch(Polygon([(0.0, 0.0)], facecolor=BAND, alpha=0.55, linewidth=0))
+        (self.all,) = axes.plot([], [], color=FAINT, linewidth=0.4)
+        (self.one,) = axes.plot([], [], color=CARRIER, linewidth=0.9)
         self.title = axes.text(0.0, 1.04, "", transform=axes.transAxes, fontsize=9.5)
 
     @property
     def moving(self):
         """The artists that change with every result, lowest first."""
-        return (self.all, self.band, self.one, self.title)
+        return (self.band, self.all, self.one, self.title)
 
     def show(self, health):
         """Fill in the innovations; return half the axis' height [mm]."""
@@ -100,15 +100,15 @@ class _Nis:
         axes.set(yscale="log", ylim=(LEAST_NIS, MOST_NIS), ylabel="NIS")
         axes.yaxis.set_major_locator(FixedLocator(NIS_TICKS))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_locator(NullLocator())
         self.single = axes.add_patch(Polygon([(0.0, 1.0)], facecolor="#E6E6E6", linewidth=0, label="95 % of epochs"))
-        self.mean = axes.add_patch(Polygon([(0.0, 1.0)], facecolor="#B9B9B9", linewidth=0, label=f"95 % of means of {WINDOW}"))
-        self.dots = [axes.plot([], [], ",", color=color, alpha=0.8)[0] for color in (CODE, CARRIER)]
+        self.mean = axes.add_patch(Polygon([(0.0, 1.0)], facecolor="#B9B9B9", linewidth=0, label="95 % of running means"))
+        self.dots = [axes.plot([], [], ".", color=color, alpha=0.45, markersize=2, markeredgewidth=0)[0] for color in (CODE, CARRIER)]
         styles = ({"color": CODE, "linestyle": "--", "label": "codes"}, {"color": CARRIER, "linestyle": "-", "label": "carriers"})
         self.means = [axes.plot([], [], linewidth=1.9, **style)[0] for style in styles]
         axes.legend(
             handles=[*self.means[::-1], self.mean, self.single], loc="lower left", bbox_to_anchor=(-0.02, 0.97), ncols=4, fontsize=8.5,
-            handlelength=1.6, handletextpad=0.4, columnspacing=0.9,
+            handlelength=1.6, handletextpad=0.4, columnspacing=0.7,
         )  # fmt: skip
 
     @property
@@ -118,11 +118,12 @@ class _Nis:
 
     def show(self, health):
         """Fill in both NIS and their bounds; the frame never changes."""
-        self.single.set_xy(_outline(health.seconds, *nis_bounds(health.freedom, 1)))
-        self.mean.set_xy(_outline(health.seconds, *nis_bounds(health.freedom, WINDOW)))
+        self.single.set_xy(_outline(health.seconds, *health.epoch_bounds))
+        self.mean.set_xy(_outline(health.seconds, *health.running_bounds))
         for dots, line, nis in zip(self.dots, self.means, (health.nis_code, health.nis_phase), strict=True):
             dots.set_data(health.seconds, _within(nis))
-            line.set_data(health.seconds[WINDOW - 1 :], _within(running_mean(nis)))
+            seconds, mean = health.running(nis)
+            line.set_data(seconds, _within(mean))
 
 
 class _Heading:
@@ -130,7 +131,7 @@ class _Heading:
 
     def __init__(self, axes):
         self.axes = axes
-        axes.set_ylabel("heading error [deg]", fontsize=9)
+        axes.set_ylabel("heading error [deg]", fontsize=9, labelpad=1)
         axes.yaxis.set_major_locator(MaxNLocator(5, symmetric=True))
         self.band = axes.add_patch(Polygon([(0.0, 0.0)], facecolor=BAND, alpha=0.55, linewidth=0))
         (self.inside,) = axes.plot([], [], ".", color=CARRIER, markersize=2.2)
@@ -181,7 +182,7 @@ class _Strip:
     def show(self, health):
         """Fill in the states; the frame never changes."""
         chosen = (np.ones(len(health.seconds), bool), health.is_fixed, health.is_held, health.is_wrong)
-        for part, where, (low, high) in zip(self.parts, chosen, ((0, 1), (0, 1), (0, 1), (0, 1)), strict=True):
+        for part, where, (low, high) in zip(self.parts, chosen, ((0, 1), (0, 1), (0, 1), (0, 0.55)), strict=True):
             part.set_verts([[(a, low), (a, high), (b, high), (b, low)] for a, b in _spans(health.seconds, where)])
 
 
@@ -190,10 +191,10 @@ class _Spread:
 
     def __init__(self, axes):
         self.axes = axes
-        axes.set(xscale="log", xlim=(LEAST_NIS, MOST_NIS), ylim=(0, 42), xlabel="NIS of one epoch", ylabel="epochs [%]")
+        axes.set(xscale="log", xlim=(LEAST_NIS, MOST_NIS), ylim=(0, MOST_EPOCHS), xlabel="NIS of one epoch", ylabel="epochs [%]")
         axes.xaxis.set_major_locator(FixedLocator(NIS_TICKS))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.xaxis.set_minor_locator(NullLocator())
         self.carrier = axes.add_collection(PolyCollection([], facecolor=CARRIER, alpha=0.55, linewidths=0, label="carriers"))
         (self.code,) = axes.plot([], [], color=CODE, linestyle="--", linewidth=1.6, label="codes")
         (self.promised,) = axes.plot([], [], color=DARK, linewidth=1.3, label="promised")
@@ -214,20 +215,20 @@ class _Spread:
         carrier, code = (_histogram(nis[settled]) for nis in (health.nis_phase, health.nis_code))
         self.carrier.set_verts([np.column_stack([np.repeat(BINS, 2), np.concatenate([[0], np.repeat(carrier, 2), [0]])])])
         self.code.set_data(np.repeat(BINS, 2), np.concatenate([[0], np.repeat(code, 2), [0]]))
-        promised = 100 * np.diff(chdtr(health.freedom[settled].mean(), BINS))
-        self.promised.set_data(np.sqrt(BINS[1:] * BINS[:-1]), promised)
-        self.gate.set_data([health.gate[settled].mean()] * 2, [0, 42])
+        self.promised.set_data(np.sqrt(BINS[1:] * BINS[:-1]), 100 * health.promised(BINS))
+        self.gate.set_data([health.mean(health.gate)] * 2, [0, MOST_EPOCHS])
 
 
 class _FirstFixes:
     """The share of many starts that are fixed, against the seconds since each."""
 
     def __init__(self, axes):
-        axes.set(xlim=(0, START_SPAN), ylim=(0, 103), xlabel="seconds since a cold start", ylabel="fixed by then [%]")
-        self.lines = [axes.plot([], [], linewidth=2.0, label=name, **style)[0] for name, style in zip(USES, USE_STYLES, strict=True)]
-        self.wrong = [axes.plot([], [], "x", color=style["color"], markersize=7, markeredgewidth=2)[0] for style in USE_STYLES]
+        axes.set(xlim=(0, SPAN), ylim=(0, 103), xlabel="seconds since a cold start", ylabel="fixed by then [%]")
+        axes.yaxis.labelpad = 1
+        self.lines = [axes.plot([], [], label=name, **style)[0] for name, style in USE_STYLES.items()]
+        self.wrong = [axes.plot([], [], "x", color=style["color"], markersize=7, markeredgewidth=2)[0] for style in USE_STYLES.values()]
         self.words = axes.text(0.5, 0.5, "", transform=axes.transAxes, ha="center", va="center", fontsize=9.5)
-        axes.set_title("the known length: first fixes", fontsize=10, loc="left", pad=20)
+        axes.set_title("first fixes, by use of the length", fontsize=10, loc="left", pad=20)
         axes.legend(
             handles=self.lines, loc="lower left", bbox_to_anchor=(-0.14, 0.98), ncols=3, fontsize=8.5, handlelength=2.2, columnspacing=1.2,
         )  # fmt: skip
@@ -242,10 +243,10 @@ class _FirstFixes:
         self.words.set_text('switch "Many starts" on:\ntwenty starts, about a second' if starts is None else "")
         for k, (line, wrong) in enumerate(zip(self.lines, self.wrong, strict=True)):
             first, is_wrong = (starts.first[k], starts.is_wrong[k]) if starts is not None else (np.zeros(0, int), np.zeros(0, bool))
-            order = np.argsort(first[first != NEVER], kind="stable")
-            seconds, share = first[first != NEVER][order], 100 * (1 + np.arange(len(order))) / STARTS
+            order = np.argsort(first[first >= 0], kind="stable")
+            seconds, share = first[first >= 0][order], 100 * (1 + np.arange(len(order))) / len(first)
             line.set_data(*_staircase(seconds, share) if starts is not None else ((), ()))
-            bad = is_wrong[first != NEVER][order]
+            bad = is_wrong[first >= 0][order]
             wrong.set_data(seconds[bad], share[bad])
 
 
@@ -257,7 +258,7 @@ def describe_health(result):
         f"Of {len(health.seconds)} epochs: carrier innovations with the band they should lie in, {health.pair} before the others. "
         f"Their NIS, {health.mean(health.nis_phase):.1f} in the mean where {low:.1f} to {high:.1f} is right, and that of the codes, "
         f"{health.mean(health.nis_code):.1f}. The error of heading, {100 * health.inside[0]:.1f} % of it within two sigma where "
-        f"{100 * INSIDE:.1f} % is promised. {100 * health.share(health.is_fixed):.1f} % of the epochs are fixed, "
+        f"95.4 % is promised. {100 * health.share(health.is_fixed):.1f} % of the epochs are fixed, "
         f"{100 * health.share(health.is_held):.1f} % held, {100 * health.share(health.is_wrong):.1f} % wrong, counted from 100 s on. "
         f"Beside it, how often which NIS comes: a gate at 99.9 % would reject {health.rejected(health.nis_phase)} epochs by their carriers "
         f"and {health.rejected(health.nis_code)} by their codes."
@@ -267,11 +268,10 @@ def describe_health(result):
 
 def _starts_in_words(starts):
     found = (
-        f"{name}: {np.sum((first != NEVER) & (first <= 10))} fixed within 10 s, {np.sum(first != NEVER)} within {START_SPAN:.0f} s, "
-        f"{is_wrong.sum()} wrong"
-        for name, first, is_wrong in zip(USES, starts.first, starts.is_wrong, strict=True)
+        f"{name}: {np.sum((first >= 0) & (first <= 10))} fixed within 10 s, {np.sum(first >= 0)} within {SPAN} s, {is_wrong.sum()} wrong"
+        for name, first, is_wrong in zip(starts.uses, starts.first, starts.is_wrong, strict=True)
     )
-    return f"Of {STARTS} cold starts, by use of the length: {'; '.join(found)}."
+    return f"Of {starts.first.shape[1]} cold starts, by use of the length: {'; '.join(found)}."
 
 
 def _enough(least, wanted, steps):
@@ -307,6 +307,6 @@ def _histogram(nis):
 
 def _staircase(seconds, share):
     """Return the corners of a cumulative share from 0 s to the end of the span."""
-    x = np.concatenate([[0], np.repeat(seconds, 2), [START_SPAN]])
+    x = np.concatenate([[0], np.repeat(seconds, 2), [SPAN]])
     y = np.concatenate([[0, 0], np.repeat(share, 2)]) if len(share) else np.zeros(2)
     return x, y
