@@ -32,7 +32,7 @@ CONTROLS = (
     Slider("missing", "Master epochs missing", 0, 5, 1, 1, help="From second 218 on; the last one before serves instead.", more=True),
     Slider("late", "Rover later by", 0, 1000, 50, 0, "ms", help="How much later than the master it measures, in true time.", more=True),
     Slider("doppler", "Doppler noise", 0, 20, 1, 5, "cm/s", help="Of one reading; the master's velocity in (29) comes from it.", more=True),
-    Slider("seed", "Seed", 1, 100, 1, 5, help="Another seed is another draw of the noise.", more=True),
+    Slider("seed", "Seed", 1, 100, 1, 22, help="Another seed is another draw of the noise.", more=True),
 )  # fmt: skip
 TURNTABLE_ONLY = {
     "rate": "no effect: at rest nothing turns; choose the turntable",
@@ -43,9 +43,33 @@ TURNTABLE_ONLY = {
 
 PRESETS = (
     Preset("paper-static", "Paper: at rest", {},
-           "Lock is lost at 300 s and 500 s: direct jumps by 51 deg. With the length the error stays below 1 deg."),
+           "Lock is lost at 300 s and 500 s: direct is off by 78 and 40 deg. With the length no error of heading reaches 1 deg."),
     Preset("paper-turntable", "Paper: turntable", {"scene": "turntable", "mode": "position"},
-           "At 218 s the master's epoch is missing: the heading is 2.9 deg off, the pitch is not. With (29) 1 deg is left."),
+           "The master has no epoch at 218 s: without (29) the heading, not the pitch, is off by 2.9 deg. The green line passes."),
+    Preset("row-as-printed", "Row as printed", {"printed": "16"},
+           "The length scatters by 5.5 mm, not 1.2. But no jump comes back at 300 s or 500 s: it was not the row that removed them."),
+    Preset("no-dynamics", "No dynamics", {"velocity_noise": 1000},
+           "Row and hold are as before, but the velocity may change by 10 m/s in a second: at 300 s the heading is off by 69 deg again."),
+    Preset("no-hold", "Nothing held", {"hold": False},
+           "The integers are not written into the filter: after the loss of lock at 300 s the heading jumps by 10 deg, row or no row."),
+    Preset("steep", "Printed pitch", {"printed": "6", "pitch": 20},
+           "The baseline rises by 20 deg, and (6) as printed makes 21.34 of it: all pitch errors of the filters lie about 1.34 deg too high."),
+    Preset("claimed-heading", "Printed sigma", {"printed": "33"},
+           "(33) as printed claims a sigma of 2.2 deg where the heading is good to 0.26: compare the band with the dots."),
+    Preset("too-sure", "Printed prediction", {"printed": "25"},
+           "(25) as printed claims 0.02 deg, and the errors are eight times as large. At rest it even looks better."),
+    Preset("no-range", "Printed residual", {"printed": "31"},
+           "(30) and (31) as printed leave out the geometric range: the baseline is that of no antenna, and hardly an epoch is fixed."),
+    Preset("mirror-street", "Heavy multipath", {"multipath": 12},
+           "Up to 8 mm errors only grow. At 12 mm no epoch is fixed, and the length cannot help: the heading is off by 15 deg rms."),
+    Preset("five-metres", "Five metres", {"length": 5},
+           "The same millimetres on a longer lever: heading to 0.06 deg, pitch to 0.22."),
+    Preset("worse-than-nothing", "A bad velocity", {"scene": "turntable", "mode": "position", "seed": 35},
+           "With (29) the heading is off by 5.2 deg at 218 s, without it by 2.6: the shift is as good as the Doppler's velocity."),
+    Preset("half-a-second", "Half a second late", {"scene": "turntable", "mode": "position", "late": 500},
+           "Without (29) the heading is 1.5 deg off all the time it turns. With it the mean is right, but the Doppler's noise comes in."),
+    Preset("left-behind", "Left behind", {"scene": "turntable", "rate": 20, "velocity_noise": 0.5},
+           "The filter believes that the baseline cannot turn so fast, and lags: 5.8 deg rms. The length cannot tell where it points."),
 )  # fmt: skip
 
 
@@ -107,12 +131,12 @@ def _filter_settings(used):
 
 
 def _note(result):
-    """Return one sentence on the printed formula or on what goes unseen in the picture."""
-    used, broken = result.settings, [mode for mode, found in result.solutions.items() if not np.isfinite(found.length).all()]
-    if broken:
-        return f"Covariances are no longer positive definite, and there is no answer: {', '.join(MODES[mode] for mode in broken)}."
-    if used["printed"] == "6" and used["pitch"] == 0:
-        return "At a pitch of zero (6) is as good as right: tilt the baseline, under more."
+    """Return one sentence on the printed formula, or on what goes unseen in the picture."""
+    used = result.settings
+    if used["printed"] in ("6", "34") and used["pitch"] == 0:
+        return f"At a pitch of zero ({used['printed']}) as printed is nearly right: tilt the baseline, under more."
+    if used["printed"] == "6":
+        return "(6) as printed has no answer above 45 degrees: such epochs of direct are left out."
     if used["scene"] == "static":
         return "At rest the correction (29) changes nothing: the green line lies on the blue dots."
     return ""
@@ -249,21 +273,23 @@ def table(result):
     return columns
 
 
-def _judge_sharp(result):
-    used, error = result.settings, heading_rms(result, "length")
-    by_rule = used["scene"] == "static" and used["multipath"] >= 4.5 and used["printed"] == "none"
-    return by_rule and error < 0.1, standing(f"{_number(error)} deg with the length", by_rule)
+def _judge_spikes(result):
+    used, (error, second) = result.settings, largest_heading_error(result, "length")
+    calibrated = used["multipath"] <= 4.5 and used["length"] >= 1 and used["hold"] and used["ratio"] == 3
+    by_rule = used["scene"] == "static" and used["printed"] == "none" and calibrated
+    return by_rule and error > 10, standing(f"{_number(error)} deg at {second:.0f} s with the length", by_rule)
 
 
 def _judge_lag(result):
     used, error = result.settings, heading_rms(result, "length")
-    by_rule = used["scene"] == "turntable" and used["rate"] >= 20 and used["missing"] == 0 and used["late"] == 0
-    return by_rule and error < 0.5, standing(f"{_number(error)} deg with the length", by_rule)
+    in_step = used["missing"] == 0 and used["late"] == 0
+    by_rule = used["scene"] == "turntable" and used["rate"] >= 20 and in_step and used["printed"] == "none"
+    return by_rule and error < 0.4, standing(f"{_number(error)} deg with the length", by_rule)
 
 
 GOALS = (
-    Goal("sharp", "At rest, carrier multipath of 4.5 mm or more, nothing misprinted: bring the heading error with the length below 0.1 deg rms.",
-         _judge_sharp),
-    Goal("lag", "Turntable at 20 deg/s or more, no epoch missing, receivers in step: bring the heading error with the length below 0.5 deg rms.",
-         _judge_lag),
+    Goal("spikes", "At rest, nothing misprinted, multipath of 4.5 mm or less, 1 m or more, ratio 3, integers held: make the heading with the length "
+         "jump by more than 10 deg, as direct does.", _judge_spikes),
+    Goal("lag", "Turntable at 20 deg/s or more, no epoch missing, receivers in step, nothing misprinted: bring the heading error with the length "
+         "below 0.4 deg rms.", _judge_lag),
 )  # fmt: skip
