@@ -46,7 +46,7 @@ CONTROLS = (
     Slider("length_error", "You enter too much by", -10, 10, 0.5, 0, "cm", help="Error of the length that you type in."),
     Choice("noise", "Assumed noise",
            {"four times": 4.0, "as usual": AS_USUAL, "half": 0.5, "a quarter": 0.25, "learnt from the codes": "learnt"}, AS_USUAL,
-           help="What the filter is told of codes and carriers. As usual: the law of RTKLIB, 3 mm and 0.3 m for a good antenna."),
+           help="What the filter is told of codes and carriers. As usual: the law of RTKLIB, 4 mm and 0.4 m in the zenith."),
     Slider("multipath", "Multipath added", 0, 1.5, 0.1, 0, "m", help="To the rover's codes, in the zenith; to its carriers a 200th.", more=True),
     Choice("order", "Satellites left are", {"the highest": "highest", "the lowest": "lowest", "by chance": "chance"}, "highest",
            help="By chance: the seed draws them.", more=True),
@@ -152,9 +152,8 @@ class LengthFormsEngine:
 
     def _pair(self, known, assumed, settings, noise):
         """Return the PreparedPair, degraded as the controls say."""
-        drawn = settings["order"] == "chance" or settings["multipath"] > 0
         ways = (settings[name] for name in ("satellites", "order", "multipath"))
-        return self._degraded(self._prepared(known, assumed), *ways, noise, settings["seed"] if drawn else None)
+        return self._degraded(self._prepared(known, assumed), *ways, noise, settings["seed"] if _is_drawn(settings) else None)
 
     def _form(self, pair, known, form, entered, settings):
         """Return the FormRun of one form: what it does not look at makes no new run."""
@@ -206,6 +205,11 @@ def _degraded(pair, satellites, order, multipath, noise, seed):
     return with_noise(keep_satellites(pair, ranked[:satellites]), None if noise == "learnt" else noise)
 
 
+def _is_drawn(settings):
+    """Say whether satellites or multipath are drawn at random."""
+    return settings["order"] == "chance" or settings["multipath"] > 0
+
+
 def _few_words(count, settings):
     """Return the note on satellites that there are not."""
     return f"No more than {count} satellites are above 15 degrees, so {count} are used." if count < settings["satellites"] else ""
@@ -216,13 +220,14 @@ def length_forms_lab():
     return Lab(
         name="length-forms", title="Where the length belongs", controls=CONTROLS, presets=PRESETS, goals=GOALS,
         compute=LengthFormsEngine().compute, figure=figure, drawings=drawings, describe=describe, readouts=readouts, table=table,
-        steering=("data", "memory", "order"), blocked=blocked,
+        steering=("data", "memory", "order", "multipath"), blocked=blocked,
     )  # fmt: skip
 
 
 def blocked(settings):
     """Return for each control without effect on what was chosen the reason why."""
-    reasons = blocked_by_data(settings["data"], () if settings["order"] == "chance" else ("seed",), FILES)
+    source = "simulated" if settings["data"] in SIMULATED else settings["data"]
+    reasons = blocked_by_data(source, () if _is_drawn(settings) else ("seed",), FILES)
     if settings["memory"] == "single":
         reasons |= {"hold_after": "nothing is held where each epoch stands alone"}
     return reasons
@@ -301,10 +306,8 @@ def table(result):
 def _judge_alone(result):
     if result.problem:
         return False, NOTHING
-    used, run = result.settings, result.run
-    by_rule = (
-        used["data"] == "roof" and used["systems"] == "G" and used["multipath"] == 0 and used["memory"] == "single" and len(result.satellites) <= 5
-    )
+    run, asked = result.run, {"data": "roof", "systems": "G", "memory": "single", "multipath": 0}
+    by_rule = _has(result, asked) and len(result.satellites) <= 5
     reached = run.right.rate >= 0.95 and run.wrong.successes == 0
     return by_rule and reached, standing(_shares_words(run), by_rule)
 
@@ -312,10 +315,14 @@ def _judge_alone(result):
 def _judge_harm(result):
     if result.problem:
         return False, NOTHING
-    used, run = result.settings, result.run
-    by_rule = used["data"] == "roof" and used["form"] == "guarded" and used["length_error"] == 0 and used["multipath"] == 0
+    run, by_rule = result.run, _has(result, {"data": "roof", "form": "guarded", "length_error": 0, "multipath": 0})
     harmed = run.wrong.rate >= 0.8 and result.runs["nowhere"].wrong.successes == 0
     return by_rule and harmed, standing(f"{_shares_words(run)}; with no length {100 * result.runs['nowhere'].wrong.rate:.1f} % wrong", by_rule)
+
+
+def _has(result, asked):
+    """Say whether the controls stand as asked."""
+    return all(result.settings[name] == value for name, value in asked.items())
 
 
 def _shares_words(run):
