@@ -18,6 +18,7 @@ COMMANDS = (
     "heading",
     "rtk",
     "simulate",
+    "reproduce",
     "data",
     "data list",
     "data get",
