@@ -13,16 +13,17 @@ CONTRADICTION = 5.0  # sigma between the measured and the known length: an innoc
 _DOUBTFUL = 3.0  # sigma, of the median of all fixed epochs: what is worth a word
 _HALF = 0.5
 _SOME = 0.1  # share of the solved epochs that must agree on another length before a tape is called wrong: single wrong fixes agree on none
-_FAR = 10.0  # [m] between a float baseline's length and the true one: more than codes err
+_FAR = 10.0  # [m] by which a float baseline may be too short
 _OTHER_UNIT = 10.0  # times too long: centimetres or millimetres
 
 
 def checked_by_length(relative, length, length_sigma, solve_without):
     """Return a Relative with its fixed epochs that contradict the length [m] made float, and warnings in words about the length.
 
-    A fixed epoch contradicts where ||b| - l| exceeds 5 sigma, sigma^2 = b' Q b / |b|^2 + sigma_l^2. Where less than half of the solved epochs are
-    fixed, `solve_without()` gives the Relative without the length, to see whether the length is to blame.
-    Raises ValueError where most fixed epochs, with the length or without it, agree on another one, or where all are metres from it.
+    A fixed epoch contradicts where ||b| - l| exceeds 5 sigma, sigma^2 = b' Q b / |b|^2 + sigma_l^2. Where less than half of the
+    solved epochs are fixed, `solve_without()` gives the Relative without the length, to see whether the length is to blame.
+    Raises ValueError where most fixed epochs, with the length or without it, agree on another one, or where the length is
+    metres more than the codes have it.
     """
     _refuse_contradicted(relative, length, length_sigma)
     warnings = []
@@ -70,7 +71,7 @@ def _refuse_contradicted(relative, length, length_sigma):
 
 def _refuse_far(relative, length):
     norm = np.linalg.norm(relative.baseline_enu[_solved(relative)], axis=-1)
-    if len(norm) and np.median(np.abs(norm - length)) > _FAR:
+    if len(norm) and np.median(length - norm) > _FAR:  # bad codes make a baseline too long, hardly too short
         measured = np.median(norm)
         raise ValueError(f"the antennas are about {measured:.1f} m apart by their codes, not {_advice(length, measured)}")
 

@@ -103,6 +103,13 @@ def test_codes_know_metres_from_millimetres():
         checked_by_length(found, 1167.0, 5 * MM, lambda: found)
 
 
+def test_bad_codes_make_a_baseline_long_and_blame_nobody():
+    found = relative(np.full(9, 14.0), float_=range(9), sigma=8.0)
+    checked, (warning,) = checked_by_length(found, 1.167, 5 * MM, lambda: found)
+    assert (checked.status == Status.FLOAT).all()
+    assert "none of 9 epochs are fixed" in warning
+
+
 # Real data.
 
 
