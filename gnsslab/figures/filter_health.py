@@ -102,12 +102,12 @@ class _Nis:
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.yaxis.set_minor_locator(NullLocator())
         self.single = axes.add_patch(Polygon([(0.0, 1.0)], facecolor="#E6E6E6", linewidth=0, label="95 % of epochs"))
-        self.mean = axes.add_patch(Polygon([(0.0, 1.0)], facecolor="#B9B9B9", linewidth=0, label="95 % of running means"))
+        self.mean = axes.add_patch(Polygon([(0.0, 1.0)], facecolor="#B9B9B9", linewidth=0, label="95 % of means"))
         self.dots = [axes.plot([], [], ".", color=color, alpha=0.45, markersize=2, markeredgewidth=0)[0] for color in (CODE, CARRIER)]
         styles = ({"color": CODE, "linestyle": "--", "label": "codes"}, {"color": CARRIER, "linestyle": "-", "label": "carriers"})
         self.means = [axes.plot([], [], linewidth=1.9, **style)[0] for style in styles]
         axes.legend(
-            handles=[*self.means[::-1], self.mean, self.single], loc="lower left", bbox_to_anchor=(-0.02, 0.97), ncols=4, fontsize=8.5,
+            handles=[*self.means[::-1], self.mean, self.single], loc="lower left", bbox_to_anchor=(-0.02, 0.97), ncols=4, fontsize=9.5,
             handlelength=1.6, handletextpad=0.4, columnspacing=0.7,
         )  # fmt: skip
 
@@ -170,7 +170,7 @@ class _Strip:
             for label, color, hatch in styles
         ]
         axes.legend(
-            handles=self.parts, loc="lower left", bbox_to_anchor=(-0.02, 0.7), ncols=4, fontsize=8.5, handlelength=1.2, handletextpad=0.4,
+            handles=self.parts, loc="lower left", bbox_to_anchor=(-0.02, 0.7), ncols=4, fontsize=9.5, handlelength=1.2, handletextpad=0.4,
             columnspacing=1.2,
         )  # fmt: skip
 
@@ -200,7 +200,7 @@ class _Spread:
         (self.promised,) = axes.plot([], [], color=DARK, linewidth=1.3, label="promised")
         (self.gate,) = axes.plot([], [], ":", color=DARK, linewidth=1.6, label="gate, 99.9 %")
         axes.legend(
-            handles=[self.carrier, self.code, self.promised, self.gate], loc="lower left", bbox_to_anchor=(-0.14, 1.0), ncols=2, fontsize=8.5,
+            handles=[self.carrier, self.code, self.promised, self.gate], loc="lower left", bbox_to_anchor=(-0.14, 1.0), ncols=2, fontsize=9.5,
             handlelength=2.0, columnspacing=1.2, labelspacing=0.25,
         )  # fmt: skip
 
@@ -230,7 +230,7 @@ class _FirstFixes:
         self.words = axes.text(0.5, 0.5, "", transform=axes.transAxes, ha="center", va="center", fontsize=9.5)
         axes.set_title("first fixes, by use of the length", fontsize=10, loc="left", pad=20)
         axes.legend(
-            handles=self.lines, loc="lower left", bbox_to_anchor=(-0.14, 0.98), ncols=3, fontsize=8.5, handlelength=2.2, columnspacing=1.2,
+            handles=self.lines, loc="lower left", bbox_to_anchor=(-0.14, 0.98), ncols=3, fontsize=9.5, handlelength=2.2, columnspacing=1.2,
         )  # fmt: skip
 
     @property

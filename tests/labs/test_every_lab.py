@@ -33,6 +33,8 @@ STARTS = {
     "soft-fixing": ({}, {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 1, "risk": 0.001}),
     "known-length": ({"direction": "set", "epochs": 100},),
     "fewer-satellites": ({"data": "simulated", "acceptance": "rate"},),
+    "filter-health": ({"seed": 3},),
+    "length-forms": ({"data": "survey", "satellites": 6, "multipath": 0.3},),
 }
 
 # corners of several controls at once, and what the others are set to; the lab of the printed error has its own
@@ -91,6 +93,15 @@ TOGETHER = {
         {"frequencies": (1, 2), "order": ("highest", "south"), "acceptance": ("all", "rate"), "known_length": (True, False), "code_noise": (0.05, 1)},
         {"data": "simulated"},
     ),
+    "filter-health": (
+        {"motion": ("rest", "turning"), "carrier_sigma": (1, 16), "velocity_noise": (1, 100), "multipath": (0, 12), "hold_after": (0, 1),
+         "ratio": (1, 10)},
+        {"slip_at": 290},
+    ),
+    "length-forms": (
+        {"memory": ("single", "filter"), "satellites": (4, 15), "length_error": (-10, 10), "noise": (4.0, "learnt"), "multipath": (0, 1.5)},
+        {"data": "survey", "systems": "GECJ"},
+    ),
 }  # fmt: skip
 
 # data sets of the choices of data that are real
@@ -105,13 +116,20 @@ DATA_SETS = {
     ("centimetres", "real"): "geonet-0759-3040",
     ("fewer-satellites", "roof"): "matrtklib-static",
     ("fewer-satellites", "stations"): "geonet-0759-3040",
+    ("length-forms", "roof"): "matrtklib-static",
 }
 TRAVELS_ALONG = "cssrlib-078"
 
 REFUSES_TOGETHER = {"north", "sky", "cancelling", "centimetres", "fewer-satellites"}  # some of the corners above have no answer
 REFUSES = {("sky", "mask_deg"), ("cancelling", "reference"), ("centimetres", "belief"), ("centimetres", "mask")}  # an end of these has none
 PICTURE_ONLY = {("cells", "draws"), ("cells", "estimator"), ("soft-fixing", "sigma"), ("known-length", "row_sigma")}  # no readout shows these
-ONE_END_ONLY = {("signal", "slip_second"), ("signal", "ionosphere"), ("soft-fixing", "risk"), ("fewer-satellites", "mask")}  # not at the other
+ONE_END_ONLY = {  # not at the other
+    ("signal", "slip_second"),
+    ("signal", "ionosphere"),
+    ("soft-fixing", "risk"),
+    ("fewer-satellites", "mask"),
+    ("filter-health", "length_use"),
+}
 NOT_FINITE = {  # parts of a result with NaN where something was not measured or has no answer, infinity where there is no limit
     "north": {"attitude"},
     "printed": {"pitch", "pitch_errors"},
@@ -157,6 +175,8 @@ ANSWERS = {
     "soft-fixing": Answer(lambda r: len(r.is_right), lambda r: [f"{len(r.is_right)} epochs"], readouts=5),
     "known-length": Answer(lambda r: len(r.counted.truth), lambda r: ["length"], _claims_are_shares),
     "fewer-satellites": Answer(lambda r: len(r.off), lambda r: [f"{len(r.off)} epochs"], lambda r: np.allclose([sum(one) for one in r.shares], 1)),
+    "filter-health": Answer(lambda r: len(r.health.seconds), lambda r: [f"{len(r.health.seconds)} epochs"], readouts=6),
+    "length-forms": Answer(lambda r: len(r.seconds), lambda r: [f"{len(r.seconds)} epochs"], readouts=5),
 }
 
 
