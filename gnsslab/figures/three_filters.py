@@ -15,7 +15,8 @@ STYLES = {
 SHORT = {"direct": "direct", "length": "+ length", "position": "+ (29)"}
 BAND_COLOR, LOST_COLOR, MISSING_COLOR, TRUTH_COLOR = "#BFD9EC", "#777777", "#A03070", "#111111"
 EVEN_ANGLE, EVEN_LENGTH = 1.0, 10.0  # [deg], [mm], within which a scale is even; beyond, each step is tenfold
-HALF_WIDTHS = (10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000)  # [mm], of the plan at rest
+HALF_WIDTHS = (0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.5, 1, 2, 5)  # [m], of the plan at rest
+METRES_FROM = 0.5  # [m], half width
 MM = 1e-3
 
 
@@ -38,6 +39,7 @@ def build_errors(figure):
     for panel in panels:
         panel.axes.tick_params(labelbottom=False)
     _legend(figure, panels[0])
+    figure.text(0.98, 0.897, "even scale between the grey lines, tenfold steps beyond", fontsize=8.5, color="#555555", ha="right", va="bottom")
 
     def show(result):
         chosen = result.chosen
@@ -185,37 +187,41 @@ def build_plan(figure):
         for mode, dots in marks.items():
             dots.set_data(*places[mode].T)
         circle.set_data(*_level_circle(result, origin, unit).T)
-        at_rest = np.ptp(result.truth[:, 0]) == 0
-        truth.set_data(*((result.truth[:1, :2] - origin) / unit).T if at_rest else ([], []))
+        truth.set_data(*((result.truth[:1, :2] - origin) / unit).T if _at_rest(result) else ([], []))
         is_stale = np.isin(result.seconds, result.missing)
         stale.set_data(*places["length"][is_stale].T)
         outside.set_text(_outside_words(places, half))
         axes.set_xlim(-half, half)
         axes.set_ylim(-half, half)
-        labels = ("east of the truth [mm]", "north of the truth [mm]") if unit == MM else ("east [m]", "north [m]")
-        axes.set_xlabel(labels[0], labelpad=1)
-        axes.set_ylabel(labels[1], labelpad=0)
-        return half, unit
+        where = f"{'of the truth ' if _at_rest(result) else ''}[{'mm' if unit == MM else 'm'}]"
+        axes.set_xlabel(f"east {where}", labelpad=1)
+        axes.set_ylabel(f"north {where}", labelpad=0)
+        return half, where
 
     return Scene((circle, marks["direct"], stale, marks["length"], marks["position"], truth, outside), show)
 
 
 def _view(result):
-    """Return the origin (2,) [m], the unit [m] and the half width of the plan: millimetres about the truth where that rests."""
-    if np.ptp(result.truth[:, 0]) > 0:
+    """Return the origin (2,) [m], the unit [m] and the half width of the plan in it: all around, or about the truth where that rests."""
+    if not _at_rest(result):
         return np.zeros(2), 1.0, 1.25 * result.settings["length"]
     origin = result.truth[0, :2]
-    off = np.linalg.norm(result.chosen.baseline[:, :2] - origin, axis=-1)[result.settled] / MM
+    off = np.linalg.norm(result.chosen.baseline[:, :2] - origin, axis=-1)[result.settled]
     reach = 1.2 * np.quantile(off[np.isfinite(off)], 0.98) if np.isfinite(off).any() else HALF_WIDTHS[-1]
-    return origin, MM, next((half for half in HALF_WIDTHS if half >= reach), HALF_WIDTHS[-1])
+    half = next((width for width in HALF_WIDTHS if width >= reach), HALF_WIDTHS[-1])
+    unit = 1.0 if half >= METRES_FROM else MM
+    return origin, unit, half / unit
+
+
+def _at_rest(result):
+    return np.ptp(result.truth[:, 0]) == 0
 
 
 def _level_circle(result, origin, unit):
-    """Return the circle (k, 2) on which the antenna stands if length and pitch are true."""
-    angle = np.linspace(0, 2 * np.pi, 361)
+    """Return the circle (k, 2) on which the antenna stands if length and pitch are true; near the truth only, and finely, in millimetres."""
+    span = np.pi if unit == 1.0 else 0.5
+    angle = np.arctan2(*origin) + np.linspace(-span, span, 361)
     radius = np.linalg.norm(result.truth[0, :2])
-    if unit == MM:  # the part near the truth only, and finely
-        angle = np.arctan2(*origin) + np.linspace(-0.5, 0.5, 361)
     return (radius * np.column_stack([np.sin(angle), np.cos(angle)]) - origin) / unit
 
 

@@ -273,11 +273,10 @@ def table(result):
     return columns
 
 
-def _judge_spikes(result):
-    used, (error, second) = result.settings, largest_heading_error(result, "length")
-    calibrated = used["multipath"] <= 4.5 and used["length"] >= 1 and used["hold"] and used["ratio"] == 3
-    by_rule = used["scene"] == "static" and used["printed"] == "none" and calibrated
-    return by_rule and error > 10, standing(f"{_number(error)} deg at {second:.0f} s with the length", by_rule)
+def _judge_sharp(result):
+    used, error = result.settings, heading_rms(result, "length")
+    by_rule = used["scene"] == "static" and used["multipath"] >= 4.5 and used["length"] <= 3 and used["printed"] == "none"
+    return by_rule and error < 0.1, standing(f"{error:.3f} deg with the length", by_rule)
 
 
 def _judge_lag(result):
@@ -288,8 +287,8 @@ def _judge_lag(result):
 
 
 GOALS = (
-    Goal("spikes", "At rest, nothing misprinted, multipath of 4.5 mm or less, 1 m or more, ratio 3, integers held: make the heading with the length "
-         "jump by more than 10 deg, as direct does.", _judge_spikes),
+    Goal("sharp", "At rest, nothing misprinted, carrier multipath of 4.5 mm or more, a baseline of 3 m or less: bring the heading error with the "
+         "length below 0.1 deg rms.", _judge_sharp),
     Goal("lag", "Turntable at 20 deg/s or more, no epoch missing, receivers in step, nothing misprinted: bring the heading error with the length "
          "below 0.4 deg rms.", _judge_lag),
 )  # fmt: skip

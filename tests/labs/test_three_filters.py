@@ -205,9 +205,9 @@ def test_presets_show_what_they_promise(lab, at_presets):
 @pytest.mark.parametrize(
     ("settings", "name", "reached"),
     [
-        ({"velocity_noise": 1000}, "spikes", True),
-        ({"velocity_noise": 1000, "multipath": 12}, "spikes", False),  # against the rules
-        ({"hold": False}, "spikes", False),
+        ({"length": 3}, "sharp", False),
+        ({"length": 3, "velocity_noise": 0}, "sharp", True),
+        ({"length": 5}, "sharp", False),  # against the rules
         ({"scene": "turntable", "rate": 20, "missing": 0}, "lag", False),
         ({"scene": "turntable", "rate": 20, "missing": 0, "velocity_noise": 10}, "lag", True),
         ({"scene": "turntable", "velocity_noise": 10}, "lag", False),  # against the rules
