@@ -76,5 +76,7 @@ def missing(reason):
 
 
 def pytest_collection_modifyitems(items):
-    """Browser tests come last: playwright keeps an event loop running in the main thread, where others need their own."""
+    """Tests of one file run in one process, in their order; those with a browser all in one, as each needs the cores for itself."""
+    for item in items:
+        item.add_marker(pytest.mark.xdist_group("browser" if "browser" in item.path.parts else str(item.path)))
     items.sort(key=lambda item: "browser" in item.path.parts)
