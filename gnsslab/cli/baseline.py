@@ -76,14 +76,24 @@ def _refuse_same_measurements(one, other, names):
 
 
 def _chosen_epochs(readings, span, names):
-    """Cut both receivers' epochs to the span; the grid of --every starts at the rover's first epoch in it."""
-    from gnsslab.gnss.selection import in_span, keep_epochs, on_grid
+    """Cut both receivers' epochs to the span, and to the grid of --every."""
+    from gnsslab.gnss.selection import in_span, keep_epochs
 
     inside = [_something(in_span(reading.time, span.start, span.end), reading, name) for reading, name in zip(readings, names, strict=True)]
-    if span.every:
-        origin = readings[1].time[inside[1]][0]
-        inside = [keep & on_grid(reading.time, origin, span.every) for reading, keep in zip(readings, inside, strict=True)]
-    return [reading if keep.all() else keep_epochs(reading, keep) for reading, keep in zip(readings, inside, strict=True)]
+    chosen = [reading if keep.all() else keep_epochs(reading, keep) for reading, keep in zip(readings, inside, strict=True)]
+    return _thinned(*chosen, span.every) if span.every else chosen
+
+
+def _thinned(master, rover, every):
+    """Return both on a grid that starts at the rover's first epoch; where the master has none on it, at the first in common."""
+    from gnsslab.gnss.differences import common_epochs
+    from gnsslab.gnss.selection import keep_epochs, on_grid
+
+    common = common_epochs(master.time, rover.time)[1]
+    if not len(common):
+        return master, rover  # the solver says it better than two grids that miss each other
+    origin = rover.time[0 if on_grid(master.time, rover.time[0], every).any() else common[0]]
+    return [keep_epochs(each, on_grid(each.time, origin, every)) for each in (master, rover)]
 
 
 def _something(keep, reading, name):

@@ -130,6 +130,19 @@ def test_a_master_every_thirty_seconds(heading, roof, tmp_path):
     assert np.nanmax(np.abs(turned(numbers(rows, "heading_deg"), 193.03))) < 0.5
 
 
+def test_a_grid_on_which_the_master_has_nothing_starts_at_the_first_common_epoch(heading, run, roof, tmp_path):
+    master = cut(roof.master, tmp_path / "slow.obs", lambda k: k % 30 == 0)
+    rover = cut(roof.rover, tmp_path / "late.obs", lambda k: k >= 17)
+    _, rows, _ = heading((master, rover, roof.nav), "--every", 30)
+    assert rows[0]["time"] == "2024-06-24T08:20:30.000"
+    assert set(statuses(rows)) == {"fixed"}
+    assert len(rows) == 10
+    never = cut(roof.rover, tmp_path / "never.obs", lambda k: k % 30 == 17)
+    answer = run("heading", master, never, roof.nav, "-o", tmp_path / "never.csv", "--every", 30)
+    assert answer.status == 1
+    assert answer.complaint[0].startswith("gnsslab: no common epochs")
+
+
 @pytest.mark.parametrize("later", [4, 20])
 def test_a_rover_that_samples_milliseconds_later(heading, simulated, tmp_path, later):
     """Tags and measurements both; the antennas stand still, so the truth is the same."""
