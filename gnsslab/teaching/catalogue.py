@@ -121,6 +121,26 @@ LESSONS = (
             "gnsslab.labs.fewer_satellites:fewer_satellites_lab",
         ),
     ),
+    Lesson(
+        "05",
+        "05_the_known_length.py",
+        "The known length",
+        "Two cheap receivers on a car's roof, and a tape measure. The length makes neither angle sharper, yet it finds the whole numbers at once: if it is put in the right place.",
+        90,
+        "lesson 04; what a Kalman filter is for",
+        (
+            "build the filter of a published dual-antenna system, and say what each part of it does",
+            "say along which direction a known length helps, and where it must go to do no harm",
+            "judge a filter by its innovations, and say what they cannot tell",
+            "say what two clocks apart do to the heading of a moving car, and put it right",
+        ),
+        (
+            "gnsslab.labs.three_filters:three_filters_lab",
+            "gnsslab.labs.filter_health:filter_health_lab",
+            "gnsslab.labs.length_forms:length_forms_lab",
+            "gnsslab.labs.platforms:platforms_lab",
+        ),
+    ),
 )
 
 
