@@ -19,7 +19,7 @@ DEGREES = (0.5, 1, 2, 5, 10, 30, 90, 180)  # of the heading's
 KNOWN = 0.15  # [m], sigma above which an innovation tells nothing: its ambiguity was just opened
 LEAST_NIS, MOST_NIS = 0.3, 3000.0
 NIS_TICKS = (1, 3, 10, 30, 100, 300, 1000)
-MOST_EPOCHS = 45  # [%], of the axis
+EPOCHS = (20, 50, 105)  # [%], heights of the axis of shares
 SPAN = 120  # [s], of the axis of first fixes
 BINS = np.geomspace(LEAST_NIS, MOST_NIS, 61)
 
@@ -58,8 +58,8 @@ def build_shares(figure):
     starts = _FirstFixes(figure.add_axes((0.16, 0.105, 0.79, 0.325)))
 
     def show(result):
-        spread.show(result.health)
         starts.show(result.starts)
+        return spread.show(result.health)
 
     return Scene((*spread.moving, *starts.moving), show)
 
@@ -191,7 +191,7 @@ class _Spread:
 
     def __init__(self, axes):
         self.axes = axes
-        axes.set(xscale="log", xlim=(LEAST_NIS, MOST_NIS), ylim=(0, MOST_EPOCHS), xlabel="NIS of one epoch", ylabel="epochs [%]")
+        axes.set(xscale="log", xlim=(LEAST_NIS, MOST_NIS), xlabel="NIS of one epoch", ylabel="epochs [%]")
         axes.xaxis.set_major_locator(FixedLocator(NIS_TICKS))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.xaxis.set_minor_locator(NullLocator())
@@ -210,13 +210,16 @@ class _Spread:
         return (self.carrier, self.code, self.promised, self.gate)
 
     def show(self, health):
-        """Fill in the shares of the settled epochs; the frame never changes."""
+        """Fill in the shares of the settled epochs; return the axis' height [%]."""
         settled = health.is_settled
         carrier, code = (_histogram(nis[settled]) for nis in (health.nis_phase, health.nis_code))
         self.carrier.set_verts([np.column_stack([np.repeat(BINS, 2), np.concatenate([[0], np.repeat(carrier, 2), [0]])])])
         self.code.set_data(np.repeat(BINS, 2), np.concatenate([[0], np.repeat(code, 2), [0]]))
         self.promised.set_data(np.sqrt(BINS[1:] * BINS[:-1]), 100 * health.promised(BINS))
-        self.gate.set_data([health.mean(health.gate)] * 2, [0, MOST_EPOCHS])
+        top = _enough(carrier.max(), code.max(), EPOCHS)
+        self.gate.set_data([health.mean(health.gate)] * 2, [0, top])
+        self.axes.set_ylim(0, top)
+        return top
 
 
 class _FirstFixes:
