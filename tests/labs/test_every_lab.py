@@ -33,6 +33,7 @@ STARTS = {
     "soft-fixing": ({}, {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 1, "risk": 0.001}),
     "known-length": ({"direction": "set", "epochs": 100},),
     "fewer-satellites": ({"data": "simulated", "acceptance": "rate"},),
+    "three-filters": ({}, {"scene": "turntable", "mode": "position"}),
     "filter-health": ({"seed": 3},),
     "length-forms": ({"data": "survey", "satellites": 6, "multipath": 0.3},),
 }
@@ -102,6 +103,10 @@ TOGETHER = {
         {"memory": ("single", "filter"), "satellites": (4, 15), "length_error": (-10, 10), "noise": (4.0, "learnt"), "multipath": (0, 1.5)},
         {"data": "survey", "systems": "GECJ"},
     ),
+    "three-filters": (
+        {"scene": ("static", "turntable"), "printed": ("none", "16", "25", "31"), "velocity_noise": (0, 1000), "length": (0.3, 5), "pitch": (0, 40)},
+        {"multipath": 12, "missing": 5, "late": 1000},
+    ),
 }  # fmt: skip
 
 # data sets of the choices of data that are real
@@ -138,6 +143,7 @@ NOT_FINITE = {  # parts of a result with NaN where something was not measured or
     "cells": {"bound"},
     "trust": {"accepted_range"},
     "known-length": {"norms"},
+    "three-filters": {"pitch_error"},
 }
 
 
@@ -177,6 +183,9 @@ ANSWERS = {
     "fewer-satellites": Answer(lambda r: len(r.off), lambda r: [f"{len(r.off)} epochs"], lambda r: np.allclose([sum(one) for one in r.shares], 1)),
     "filter-health": Answer(lambda r: len(r.health.seconds), lambda r: [f"{len(r.health.seconds)} epochs"], readouts=6),
     "length-forms": Answer(lambda r: len(r.seconds), lambda r: [f"{len(r.seconds)} epochs"], readouts=5),
+    "three-filters": Answer(
+        lambda r: len(r.seconds), lambda r: [f"{len(r.seconds)} epochs"], lambda r: set(r.solutions) == {"direct", "length", "position"}, 6
+    ),
 }
 
 
