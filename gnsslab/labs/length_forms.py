@@ -29,13 +29,13 @@ ROOF = "matrtklib-static"
 ONE_CARRIER = Settings(frequencies=1)
 AS_USUAL = 1.0
 NOTHING = "There is no answer to judge."
-SIMULATED = {"survey": "static-baseline", "paper": A_STATIC.preset}
+SIMULATED = {"simulated": "static-baseline", "paper": A_STATIC.preset}
 FILES = ("master_file", "rover_file", "navigation_file")
 ROWS = ("guarded", "row", "iterated", "second")  # the forms with a row
 
 CONTROLS = (
     Choice("data", "Data",
-           {"two antennas on a roof": "roof", "simulated, survey": "survey", "simulated, paper A": "paper", "my files": "mine"}, "roof",
+           {"two antennas on a roof": "roof", "simulated": "simulated", "simulated as in the paper": "paper", "my files": "mine"}, "roof",
            help="A roof in Nagoya for five minutes, simulated, or your own RINEX files. One carrier is used."),
     Choice("form", "Shown over time",
            {"no length": "nowhere", "guarded row": "guarded", "row always": "row", "iterated row": "iterated", "second-order row": "second",
@@ -133,7 +133,7 @@ class LengthFormsEngine:
         try:
             return self._roof(*self._files.data_set(ROOF)), ""
         except DataUnavailable as reason:
-            return self._simulated("survey", settings["seed"]), simulated_instead(reason)
+            return self._simulated("simulated", settings["seed"]), simulated_instead(reason)
 
     def _mine(self, settings):
         master, rover, navigation = (settings[name] for name in FILES)

@@ -15,7 +15,7 @@ from gnsslab.systems.constrained_filter import FilterSettings, run_filter, stead
 from gnsslab.systems.dual_antenna import A_STATIC
 from gnsslab.systems.length_row import LengthUse, RowState
 
-SIMULATED = {"data": "survey"}
+SIMULATED = {"data": "simulated"}
 ROW_FORMS = ("guarded", "row", "iterated", "second")
 
 
@@ -258,7 +258,7 @@ def test_controls_without_effect_say_why(lab):
     assert set(lab.blocked(lab.settings(order="chance"))) == set(FILES)
     assert set(lab.blocked(lab.settings(multipath=0.5))) == set(FILES)
     assert set(lab.blocked(lab.settings(memory="single"))) == {"seed", "hold_after", *FILES}
-    assert set(lab.blocked(lab.settings(data="survey"))) == set(FILES)
+    assert set(lab.blocked(lab.settings(data="simulated"))) == set(FILES)
 
 
 def test_goals_are_judged(lab, real):
