@@ -19,8 +19,8 @@ table { border-collapse: collapse; width: 100%; font-size: .9rem }
 th, td { text-align: left; vertical-align: top; padding: .35rem .5rem; border-bottom: 1px solid var(--line) }
 td small { display: block; color: var(--soft) }
 .good { color: var(--good) } .near { color: var(--near) } .bad { color: var(--bad) } .verdict { font-weight: 600 }
-figure { margin: 1.2rem 0 } img { display: block; width: 100%; max-width: 35rem; border-radius: 6px }
-figcaption { color: var(--soft); max-width: 35rem }
+figure { margin: 1.2rem 0 } img { display: block; width: 100%; max-width: 32rem; border-radius: 6px }
+figcaption { color: var(--soft); max-width: 32rem }
 @media (max-width: 40rem) {
   thead { display: none } tr { display: block; padding: .5rem 0; border-bottom: 1px solid var(--line) }
   td { display: block; border: 0; padding: .1rem 0 } td[data-name]::before { content: attr(data-name) ": "; color: var(--soft) } }
