@@ -269,16 +269,16 @@ def _(health, saving_health):
 @app.cell(hide_code=True)
 def _(lesson, prediction):
     lesson.text(prediction, r"""
-    **What you see.** The NIS of the carrier runs at a third of 13. The filter expects worse carriers than it gets: it was told 8 mm, and from second to second they change by less than half of that. Yet its sigma of the heading is not far from the truth. How can both be?
+    **What you see.** The NIS of the carrier is 6 in the mean, not 13. The filter expects worse carriers than it gets: it was told 8 mm, and what is new from one second to the next is little more than 3 mm. Yet its sigma of the heading, 0.40°, is not far from the error, 0.32°. How can both be?
 
     Because the carrier's error is not white. Reflections make half a centimetre and last for a minute. In an innovation you see only what changed since the last second. In the heading you see all of it.
 
     1. Press **White noise, and told so**. Here all that the filter was told is true: NIS runs within its bounds, and 95 % of the headings lie within two sigma.
     2. Press **Averaged, and deceived**. The filter was told that the car hardly moves, so it averages over minutes. Reflections that last do not average out. Its sigma shrinks, its error does not. And the NIS is *still* too small: what it warns of is the opposite.
-    3. Press **Too sure**. The carrier is believed to 1.5 mm: nothing fits any more, and nothing is fixed.
-    4. Press **RTKLIB's noise settings**. Codes are believed to 0.4 m, as for a good antenna. A test that throws out what is improbable would throw out nearly every second, and nothing is wrong with them. **Learn the noise from the data, or say it yourself.**
-    5. Press **Without the hold**. After each loss of lock the whole numbers must be found anew, from a carrier whose reflections pull the float ambiguities away, and they are not. Now press **Held, and wrong**. The first guess is held at once; it is wrong and stays. The hold is what makes this filter work, and what makes its mistakes last.
-    6. Press **A slip nobody flags**, and see how loud the innovation says it. Press **Time to first fix**: twenty starts from cold, three ways.
+    3. Press **Too sure**. The carrier is believed to 1.5 mm. NIS is seven times too large, the first fix takes two minutes, and two of three headings lie outside of two sigma.
+    4. Press **RTKLIB's noise settings**. Codes are believed to 0.4 m, as for a good antenna. A test that throws out what is improbable would throw out five seconds of six, and nothing is wrong with them. **Learn the noise from the data, or say it yourself.**
+    5. Press **Without the hold**. After each loss of lock the whole numbers must be found anew, from a carrier whose reflections pull the float ambiguities away, and mostly they are not: 23 % are fixed. Now press **Held, and wrong**. The first guess is held at once; it is wrong and stays. The hold is what makes this filter work, and what makes its mistakes last.
+    6. Press **A slip nobody flags**, and see how loud the innovation says it. Press **Time to first fix**: twenty starts from cold, three ways. Half of them are fixed after 44 s with no length, after 44 s with the row, and at once with the length in the search.
     """)
     return
 
@@ -354,8 +354,9 @@ def _(lesson, prediction):
     2. Press **Row at every epoch**. Nine satellites would be enough without a length. With the row, none is fixed.
     3. Press **Iterated**, and move **Satellites** from 6 to 5 and to 7. Then press **Second order**. Each is sometimes splendid and sometimes a disaster.
     4. Press **Each epoch alone**. The codes of one epoch never pass the guard: it drops the row just where a length would help most. RTKLIB does that without a word.
-    5. Press **2 cm wrong**, then **10 cm wrong**. A wrong length hurts. In single epochs the search refuses; a filter that holds what it believes may go on believing.
-    6. Press **The paper's receivers**. Fifteen satellites are sure of the baseline when the guard opens: the row does no harm, and no good.
+    5. Press **2 cm wrong**, then **10 cm wrong**. A wrong length hurts. In single epochs the search refuses. In a filter the guarded row fixes three of four epochs *wrong*, and holds them.
+    6. Press **Multipath**: our engine, which knows that reflections last, keeps its fixes; the filter of the paper loses some.
+    7. Press **The paper's receivers**. Fifteen satellites are sure of the baseline when the guard opens: the row does no harm, and no good.
 
     **So the length belongs into the search.** That is what `gnsslab heading --length` does. A row is right afterwards, when the whole numbers are known: then the baseline is known to millimetres, and the circle is straight.
     """)
@@ -453,7 +454,8 @@ def _(lesson, prediction):
     2. Press **50 ms apart, along**. Now the error goes into the length, and the heading hardly notices.
     3. Press **50 ms apart, length known**. No vector has the right length, so nothing is fixed. A known length is also a guard.
     4. Press **A second apart, corrected**. The velocity comes from the Dopplers and is good to some centimetres a second. A second of it makes centimetres, and degrees. A correction is as good as its velocity.
-    5. Press **30 cm**, **Between houses** and **Between houses, GPS alone**. Then **All systems**.
+    5. Press **30 cm**: three times the error, as the beam is three times shorter.
+    6. Press **Between houses**: 58 % of the seconds are fixed, none wrong. Then **Between houses, GPS alone**, without the length: 8 %, and most of these are wrong.
     """)
     return
 
@@ -634,7 +636,7 @@ def _(mo):
     * *The pitch was off at second 218, by the clocks.* A master that moves on the level displaces the baseline on the level. So the *heading* jumps, by $\arctan(v\,\Delta t/\ell)$. And a clock offset of milliseconds moves a turntable by less than a tenth of a millimetre. A missing epoch of the master explains the size.
     * *The correction (29) removes it.* In the mean it does: −2.8° becomes −0.2°. But with Dopplers of 5 cm/s a single run is left with 2° of heading and 5° of *pitch*. Press **A bad velocity** in the first lab: the correction makes 5° out of 3°. With good velocities it does what it says.
 
-    **Better than the paper.** One run of the twenty waited 166 s for its first fix, and until then its heading was off by up to 25°. With the length in the search most runs are fixed in the first second, and in none is the heading ever off by more than 1.5°.
+    **Better than the paper.** One run of the twenty waited 166 s for its first fix, and until then its heading was off by up to 25°. With the length in the search most runs are fixed in the first second, and in none is the heading off by more than 1.5° after second 100.
     """)
     return
 
