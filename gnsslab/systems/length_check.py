@@ -31,7 +31,7 @@ def checked_by_length(relative, length, length_sigma, solve_without):
         without = solve_without()
         _refuse_contradicted(without, length, length_sigma)
         _refuse_far(without, length)
-        warnings.append(_few_fixed(relative, without, length))
+        warnings.append(_few_fixed(relative, without, length, length_sigma))
     warnings += _misfit(relative, length, length_sigma)
     contradicts = _contradicts(relative, length, length_sigma)
     return replace(relative, status=np.where(contradicts, np.int8(Status.FLOAT), relative.status)), tuple(warnings)
@@ -58,13 +58,18 @@ def _contradicts(relative, length, length_sigma):
     return _fixed(relative) & (np.abs(norm - length) > CONTRADICTION * sigma)
 
 
+def _agreed_length(relative, length_sigma, chosen):
+    """Return the median length [m] of the chosen epochs (T,), and how many of them agree on it."""
+    norm, sigma = _measured(relative, length_sigma)
+    measured = np.median(norm[chosen])
+    return measured, (chosen & (np.abs(norm - measured) <= CONTRADICTION * sigma)).sum()
+
+
 def _refuse_contradicted(relative, length, length_sigma):
     contradicts = _contradicts(relative, length, length_sigma)
     if not contradicts.any():
         return
-    norm, sigma = _measured(relative, length_sigma)
-    measured = np.median(norm[contradicts])
-    agreeing = (contradicts & (np.abs(norm - measured) <= CONTRADICTION * sigma)).sum()
+    measured, agreeing = _agreed_length(relative, length_sigma, contradicts)
     if agreeing > max(_HALF * _fixed(relative).sum(), _SOME * _solved(relative).sum()):
         raise ValueError(f"the antennas are {measured:.3f} m apart by most fixed epochs, not {_advice(length, measured)}")
 
@@ -82,14 +87,21 @@ def _advice(length, measured):
     return f"{length:g} m: {'give' if unit else 'measure'} the length{unit or ' again'}, or leave it out"
 
 
-def _few_fixed(relative, without, length):
-    alone, fixed = _fixed(without), _fixed(relative).sum()
-    apart = np.median(np.linalg.norm(without.baseline_enu[alone], axis=-1)) if alone.any() else np.nan
-    which = f"{alone.sum()} without it, {apart:.3f} m apart" if alone.any() else "none without it"
+def _few_fixed(relative, without, length, length_sigma):
+    fixed = _fixed(relative).sum()
+    which = f"{_fixed(without).sum() or 'none'} without it{_apart(without, length_sigma)}"
     return (
         f"{f'only {fixed}' if fixed else 'none'} of {_solved(relative).sum()} epochs are fixed with the length of {length:g} m ({which}): "
         "a length that is wrong by centimetres does that, and so does noise"
     )
+
+
+def _apart(without, length_sigma):
+    """Return what most epochs that are fixed without the length agree on, in words; wrong fixes agree on nothing."""
+    if not _fixed(without).any():
+        return ""
+    measured, agreeing = _agreed_length(without, length_sigma, _fixed(without))
+    return f", {measured:.3f} m apart" if agreeing > _HALF * _fixed(without).sum() else ""
 
 
 def _misfit(relative, length, length_sigma):

@@ -76,6 +76,8 @@ def test_few_that_agree_on_nothing_leave_a_doubt_in_words():
     few, also_few = relative(np.ones(20), fixed=[3], float_=range(4, 20)), relative(np.full(20, 1.3), fixed=[7], float_=range(8, 20))
     _, (warning,) = checked_by_length(few, 1.0, 5 * MM, lambda: also_few)
     assert warning.startswith("only 1 of 17 epochs are fixed with the length of 1 m (1 without it, 1.300 m apart)")
+    scattered = relative(np.linspace(1, 5, 20), fixed=range(6), float_=range(6, 20))
+    assert "(6 without it): " in checked_by_length(few, 1.0, 5 * MM, lambda: scattered)[1][0]
     none = relative(np.ones(20), float_=range(20))
     _, (warning,) = checked_by_length(none, 1.0, 5 * MM, lambda: none)
     assert warning.startswith("none of 20 epochs are fixed with the length of 1 m (none without it)")
