@@ -17,7 +17,7 @@ from gnsslab.systems.printed_attitude import pitch_as_printed, sigma_heading_as_
 
 KEPT_GEOMETRIES, KEPT_CAMPAIGNS, KEPT_RUNS = 4, 6, 24
 SYSTEMS = {"static": A_STATIC, "turntable": A_TURNTABLE}
-MODES = {"direct": "direct", "length": "+ length", "position": "+ length + (29)"}
+MODES = ("direct", "length", "position")  # the last with the length and the position correction (29)
 SETTLED = 100  # [s], errors count from here on: the first fix has come by then, as in the paper's figures
 MM, CM = 1e-3, 1e-2
 

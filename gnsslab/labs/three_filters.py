@@ -11,6 +11,7 @@ from gnsslab.systems.dual_antenna import A_STATIC
 
 AS_PRINTED = {"none": "none", "(6) pitch": "6", "(16) length row": "16", "(25) prediction": "25", "(31) residual": "31",
               "(33) heading sigma": "33", "(34) pitch sigma": "34"}  # fmt: skip
+SHORT = {"direct": "direct", "length": "length", "position": "with (29)"}
 VELOCITY_NOISE = (0, 0.5, 2, 3, 10, 30, 100, 1000)  # [cm/s per sqrt(s)]
 LENGTHS = (0.3, 0.5, 1.167, 2, 3, 5)  # [m], the paper's among them
 LENGTH_SIGMA = (2, 5, 10, 20, 50, 200)  # [mm]
@@ -23,7 +24,7 @@ CONTROLS = (
            help="How much the baseline's velocity may change in a second; direct has no such rule."),
     Slider("multipath", "Carrier multipath", 0, 12, 0.5, 4.5, "mm", help="At the zenith; it wanders within a minute. White noise adds 3 mm."),
     Choice("length", "Baseline length", {f"{m:g} m": m for m in LENGTHS}, 1.167, help="Distance of the two antennas; the filters know it."),
-    Choice("mode", "Numbers of", {words: name for name, words in MODES.items()}, "length",
+    Choice("mode", "Numbers of", {words: name for name, words in SHORT.items()}, "length",
            help="Whose errors are read out, and whose sigma is the band.", more=True),
     Slider("pitch", "Pitch", 0, 40, 5, 0, "deg", help="How far the baseline is tilted.", more=True),
     Switch("hold", "Hold integers", True, help="Five fixes in a row, and the integers are written into the filter.", more=True),
@@ -225,13 +226,18 @@ def fixed_percent(result, mode):
 
 def _of_modes(result, label, measure, unit, what):
     """Return a Readout of one measure for the mode chosen, with the other modes in its note."""
-    others = "; ".join(f"{MODES[mode]}: {_number(measure(result, mode))}" for mode in MODES if mode != result.settings["mode"])
+    others = _others(result, lambda mode: _number(measure(result, mode)))
     return Readout(label, _number(measure(result, result.settings["mode"])), unit, f"{what}; {others}" if what else others)
+
+
+def _others(result, words):
+    """Return the modes that are not chosen, each with its words."""
+    return ", ".join(f"{SHORT[mode]} {words(mode)}" for mode in MODES if mode != result.settings["mode"])
 
 
 def _largest(result):
     value, second = largest_heading_error(result, result.settings["mode"])
-    others = "; ".join(f"{MODES[mode]}: {_number(largest_heading_error(result, mode)[0])}" for mode in MODES if mode != result.settings["mode"])
+    others = _others(result, lambda mode: _number(largest_heading_error(result, mode)[0]))
     return Readout("Largest heading error", _number(value), "deg", f"at {second:.0f} s; {others}" if np.isfinite(value) else others)
 
 
@@ -239,8 +245,9 @@ def _fixed(result):
     mode = result.settings["mode"]
     fixed = result.solutions[mode].is_fixed
     first = f"first at {result.seconds[np.argmax(fixed)]:.0f} s" if fixed.any() else "never"
-    others = "; ".join(f"{MODES[other]}: {fixed_percent(result, other):.1f}" for other in MODES if other != mode)
-    return Readout("Fixed", f"{fixed_percent(result, mode):.1f}", "%", f"{first}; {others}")
+    return Readout(
+        "Fixed", f"{fixed_percent(result, mode):.1f}", "%", f"{first}; {_others(result, lambda other: f'{fixed_percent(result, other):.1f}')}"
+    )
 
 
 def _claim_words(result):
