@@ -23,8 +23,8 @@ MM = 1e-3
 def plot_three_filters(result, figure=None):
     """Draw both pictures of a ThreeFiltersResult side by side; return the Figure."""
     with styled():
-        figure = figure if figure is not None else new_figure(840, 520)
-        errors, plan = figure.subfigures(1, 2, width_ratios=(500, 340))
+        figure = figure if figure is not None else new_figure(800, 510)
+        errors, plan = figure.subfigures(1, 2, width_ratios=(460, 340))
         for build, part in ((build_errors, errors), (build_plan, plan)):
             build(part).show(result)
     return figure
@@ -32,14 +32,14 @@ def plot_three_filters(result, figure=None):
 
 def build_errors(figure):
     """Lay out three panels of errors against time and a strip of what is not fixed; show(result) fills them in."""
-    frames = [figure.add_axes((0.145, bottom, 0.835, 0.225)) for bottom in (0.665, 0.415, 0.165)]
+    frames = [figure.add_axes((0.155, bottom, 0.81, 0.225)) for bottom in (0.665, 0.415, 0.165)]
     angles = [_Panel(frames[0], "heading error [deg]", EVEN_ANGLE, 180), _Panel(frames[1], "pitch error [deg]", EVEN_ANGLE, 90)]
-    lengths, strip = _Panel(frames[2], "length error [mm]", EVEN_LENGTH, 5000), _Strip(figure.add_axes((0.145, 0.075, 0.835, 0.07)))
+    lengths, strip = _Panel(frames[2], "length error [mm]", EVEN_LENGTH, 5000), _Strip(figure.add_axes((0.155, 0.075, 0.81, 0.07)))
     panels = (*angles, lengths)
     for panel in panels:
         panel.axes.tick_params(labelbottom=False)
     _legend(figure, panels[0])
-    figure.text(0.98, 0.897, "even scale between the grey lines, tenfold steps beyond", fontsize=8.5, color="#555555", ha="right", va="bottom")
+    figure.text(0.965, 0.897, "even scale between the grey lines, tenfold steps beyond", fontsize=8.5, color="#555555", ha="right", va="bottom")
 
     def show(result):
         chosen = result.chosen

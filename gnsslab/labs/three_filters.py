@@ -171,7 +171,7 @@ def drawings():
     """Return the two pictures of the lab."""
     from gnsslab.figures.three_filters import build_errors, build_plan
 
-    return Drawing("errors", build_errors, 500, 520), Drawing("plan", build_plan, 340, 380)
+    return Drawing("errors", build_errors, 450, 510), Drawing("plan", build_plan, 340, 380)
 
 
 def describe(result):
