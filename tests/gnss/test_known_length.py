@@ -157,7 +157,7 @@ def test_measurements_are_news_less_soon():
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 1.5])
 def test_most_epochs_are_fixed_and_none_wrongly_whatever_the_noise_assumed(prepared, rng, factor):
-    """Noise of half to one and a half of the sigmas: single epochs of fifteen satellites. A wrong integer is many sigma away, chi-square of 3 not 30."""
+    """Noise of half to one and a half of the sigmas. A wrong integer is many sigma away, chi-square of 3 not 30."""
     model, b = drawn(prepared[0], rng, factor, factor)
     solution, is_believed = run_with_length(model, alone(model), LENGTH, SIGMA, ACCEPTANCE)
     off = (solution.outcome.baseline_fixed - b)[is_believed]
