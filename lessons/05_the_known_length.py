@@ -71,6 +71,8 @@ def _(lesson, prediction):
     * **direct**: each second has a new baseline, only the ambiguities are carried on. No length.
     * **+ length**: a filter that knows that a baseline moves smoothly, and the length as one more measurement.
     * **+ length + (29)**: besides, the master is moved to the instant at which the rover measured.
+
+    **The first picture** has the errors over time: heading, pitch, length, and below when a solution was not fixed. Between the two grey lines the scale is even, beyond them each step is ten times the one before: so you see millimetres and metres in one picture. **The second picture** is the baseline from above, each second a dot; the grey line is where the length is right.
     """)
     return
 
@@ -212,6 +214,8 @@ def _(lesson, prediction):
     $$\mathrm{NIS} = z^\top S^{-1} z$$
 
     In words: how large is the innovation, measured in sigmas of what the filter expects, squared and summed up? With [$k$](/notation#k) measurements it is [$k$](/notation#k) in the mean and its variance is $2k$, if all is well. Here $k$ is 13: for one second anything from 5 to 25 is usual, and the mean of 100 seconds lies between 12.0 and 14.0.
+
+    **The first picture**, from above: the innovations of the carriers, one of them with the band that the filter expects; the NIS of carriers and codes, with its running mean; the error of the heading with the filter's two sigma; when it was fixed and held. **The second picture**: how often each NIS occurs, beside what is promised; and first fixes.
     """)
     return
 
@@ -290,7 +294,9 @@ def _(lesson, prediction):
 
     There is one thing that the length can do for the angles, and it can do it only *before* the whole numbers are known: help to find them. Lesson 04 did that with one epoch. Here is a filter, on a real roof.
 
-    Six ways to use the length: none; a **guarded row**, dropped until the baseline is known to a tenth of its length; a **row always**; an **iterated** row, linearised again where it has led to; a **second-order** row, which allows for the curvature; and the **search** of lesson 04. The seventh is our own engine.
+    Six ways to use the length: none; a **guarded row**, dropped until the baseline is known to a tenth of its length; a **row always**; an **iterated** row, linearised again where it has led to; a **second-order** row, which allows for the curvature; and the **search** of lesson 04. The seventh is our own engine, that of `gnsslab heading`.
+
+    **The first picture** counts them all on the same epochs. **The second picture** follows the one that you choose: was it fixed, was its row used, how long is its baseline, and how far off.
     """)
     return
 
@@ -393,6 +399,8 @@ def _(lesson, prediction):
     ### On the move
 
     Two receivers, two clocks. Each measures when *its* clock says that the second is full. If one is late by [$\Delta t$](/notation#Delta) and the car drives at [$v$](/notation#v), the master has moved on by $v\,\Delta t$ when the rover measures.
+
+    **The first picture** has heading, pitch and heading rate, **the second** the way. All satellites of GPS and Galileo on one frequency, the length in the search.
     """)
     return
 
@@ -450,6 +458,8 @@ def _(platforms, saving_platforms):
 @app.cell(hide_code=True)
 def _(lesson, prediction):
     lesson.text(prediction, r"""
+    **What you see.** A car on a road like an eight. The heading is good to 0.3°, the pitch to 0.5°, and it turns by up to 13° in a second. No measurement of the turn is needed: heading comes from where the antennas are, not from how they got there.
+
     1. Press **50 ms apart, across**. The antennas stand across the roof, and the car drives 75 cm in that time. All seconds are fixed, *all with the right whole numbers for a baseline that never was*, and the heading is tens of degrees off. Switch **Correct the master's position (29)** on.
     2. Press **50 ms apart, along**. Now the error goes into the length, and the heading hardly notices.
     3. Press **50 ms apart, length known**. No vector has the right length, so nothing is fixed. A known length is also a guard.
@@ -469,13 +479,13 @@ def _(mo):
 
     $$b = b_{\text{measured}} - v_m\,\Delta t$$
 
-    In words: while the rover's clock had not yet struck, the master went on by $v_m\,\Delta t$, and that is no part of the baseline. Without it, with the motion across the beam, the heading is off by
+    In words: until the rover measured, the master went on by $v_m\,\Delta t$. That is motion, not baseline. Without the correction, with the motion across the beam, the heading is off by
 
     $$\arctan\frac{v\,\Delta t}{\ell}$$
 
     With 20 m/s and 1 ms that is 2 cm, and **0.98°** on a beam of 1.167 m. Clocks of cheap receivers drift by as much within minutes if they are not steered. A turntable hides it: at 6 cm/s a millisecond is 0.06 mm.
 
-    What the correction costs: the sigma of the velocity times $\Delta t$. A millisecond costs nothing. A whole second, with Dopplers of 5 cm/s, costs 4 cm of height and so **five degrees of pitch**.
+    What the correction costs: the sigma of the velocity times $\Delta t$. A millisecond costs nothing. A whole second, with Dopplers of 5 cm/s, costs some 9 cm of height and so **five degrees of pitch**.
 
     **Heading rate** $\dot\psi$ is the difference of two headings over the time between them. Reflections that last for a minute are the same in both and cancel, so the rate is better than the sigmas of the headings suggest.
     """)

@@ -225,7 +225,13 @@ def test_words_about_the_last_lab(platforms):
     assert said(platforms, across, "Heading error")[0] > 20
     assert said(platforms, along, "Heading error")[0] < 0.5
     assert not known.is_fixed.any()
-    assert said(platforms, at(platforms, "second"), "Pitch error")[0] == pytest.approx(5, abs=0.5)
+    pitch = said(platforms, at(platforms, "second"), "Pitch error")[0]
+    assert pitch == pytest.approx(5, abs=0.5)
+    assert np.tan(np.radians(pitch)) == pytest.approx(0.09, abs=0.01)  # of a metre: "some 9 cm of height"
+    start = platforms.run()
+    angles = [said(platforms, start, label)[0] for label in ("Heading error", "Pitch error")]
+    assert angles == pytest.approx([0.3, 0.5], abs=0.05)
+    assert np.degrees(np.nanmax(start.rate.rate)) == pytest.approx(13, abs=0.5)
     car, short = (said(platforms, at(platforms, name), "Heading error")[0] for name in ("car", "short"))
     assert short / car == pytest.approx(3, abs=0.5)
     city, alone = at(platforms, "city"), at(platforms, "city-alone")
