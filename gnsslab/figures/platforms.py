@@ -40,7 +40,7 @@ def build_angles(figure):
 
 def build_track(figure):
     """Lay out the way from above; show(result) fills it in."""
-    track = _Track(figure.add_axes((0.17, 0.12, 0.79, 0.74)))
+    track = _Track(figure.add_axes((0.21, 0.12, 0.75, 0.74)))
     figure.legend(handles=track.named, loc="upper center", ncols=2, fontsize=9, handlelength=1.2)
     return Scene(track.moving, track.show)
 

@@ -27,7 +27,7 @@ CONTROLS = (
            help="What carries the two antennas."),
     Slider("length", "Baseline length", 0.3, 5, 0.1, 1, "m", help="From the master's antenna to the rover's."),
     Slider("time_offset", "The rover measures later by", 0, 1000, 5, 0, "ms", help="Both stamp the same second; their clocks are that far apart."),
-    Choice("mount", "Antennas", {"along the way": "along", "across it": "across"}, "along", help="How the baseline lies on the body."),
+    Choice("mount", "Antennas", {"along the way": "along", "across it": "across"}, "along", help="How the baseline lies on the body.", more=True),
     Switch("correction", "Correct the master's position (29)", True, help="Move it on by its Doppler velocity to the rover's instant."),
     Choice("systems", "Systems", {"GPS": "G", "GPS + BeiDou": "GC", "GPS + Galileo": "GE", "all": "GECJ"}, "GE", help="Whose satellites are used."),
     Switch("known_length", "Use the known length", True, help="In the search for the integers."),
