@@ -19,7 +19,7 @@ PARTS = {  # of a bar, from left to right
     "none": ("not fixed", {"facecolor": "#EFEFEF", "edgecolor": "#BBBBBB"}),
 }
 HEIGHT = 0.66  # of a bar
-PLACES = (1.28, 1.57, 1.90)  # of the columns of numbers, in widths of the bars
+PLACES = (1.31, 1.63, 2.0)  # of the columns of numbers, in widths of the bars
 LOWEST, HIGHEST = 1e-3, 100.0  # [m], ends of what is shown
 TICKS = {1e-3: "1 mm", 1e-2: "1 cm", 1e-1: "10 cm", 1e0: "1 m", 1e1: "10 m", 1e2: "100 m"}
 STATES = ("row dropped", "row used", "not fixed", "fixed, wrong", "fixed, right")  # from the bottom
@@ -28,8 +28,8 @@ STATES = ("row dropped", "row used", "not fixed", "fixed, wrong", "fixed, right"
 def plot_forms(result, figure=None):
     """Draw both pictures of a LengthFormsResult side by side; return the Figure."""
     with styled():
-        figure = figure if figure is not None else new_figure(860, 420)
-        left, right = figure.subfigures(1, 2, width_ratios=(460, 400))
+        figure = figure if figure is not None else new_figure(850, 420)
+        left, right = figure.subfigures(1, 2, width_ratios=(430, 420))
         for build, part in ((build_forms, left), (build_run, right)):
             build(part).show(result)
     return figure
@@ -37,7 +37,7 @@ def plot_forms(result, figure=None):
 
 def build_forms(figure):
     """Lay out a bar for each form, with its numbers beside it; show(result) fills them in."""
-    bars = _Bars(figure.add_axes((0.255, 0.115, 0.38, 0.735)))
+    bars = _Bars(figure.add_axes((0.275, 0.115, 0.355, 0.735)))
     figure.legend(handles=bars.named, loc="upper left", ncols=2, fontsize=9, handlelength=1.5, columnspacing=1.4, labelspacing=0.35)
     return Scene(bars.moving, bars.show)
 
@@ -62,7 +62,7 @@ class _Bars:
         axes.grid(False)
         self.parts = {name: axes.add_collection(PolyCollection([], label=label, linewidths=0.5, **style)) for name, (label, style) in PARTS.items()}
         (self.intervals,) = axes.plot([], [], color=DARK, linewidth=2.2, label="95 % of a count", clip_on=False)
-        self.chosen = axes.text(-0.65, 0, "▶", transform=axes.get_yaxis_transform(), fontsize=9, va="center", ha="left", color=DARK)
+        self.chosen = axes.text(-0.76, 0, "▶", transform=axes.get_yaxis_transform(), fontsize=9, va="center", ha="left", color=DARK)
         self.columns = [self._column(axes, place) for place in PLACES]
         for place, text in zip(PLACES, ("right", "wrong", "row\ndropped"), strict=True):
             axes.text(place, len(NAMES) - 0.42, text, transform=axes.get_yaxis_transform(), fontsize=9, ha="right", va="bottom")

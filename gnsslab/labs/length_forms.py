@@ -40,7 +40,7 @@ CONTROLS = (
     Choice("form", "Shown over time",
            {"no length": "nowhere", "guarded row": "guarded", "row always": "row", "iterated row": "iterated", "second-order row": "second",
             "search": "search", "our engine": "engine"}, "guarded", help="All forms are counted; one is shown over time."),
-    Choice("memory", "Carried on", {"nothing: each epoch alone": "single", "the ambiguities": "direct", "all: a filter": "filter"}, "filter",
+    Choice("memory", "Carried on", {"nothing": "single", "ambiguities": "direct", "everything": "filter"}, "filter",
            help="From one epoch to the next. Epochs of a filter are no independent trials: their interval is too short."),
     Slider("satellites", "Satellites", FEWEST, MOST, 1, 8, help="How many are left."),
     Slider("length_error", "You enter too much by", -10, 10, 0.5, 0, "cm", help="Error of the length that you type in."),
@@ -244,7 +244,7 @@ def drawings():
     """Return the two pictures of the lab."""
     from gnsslab.figures.length_forms import build_forms, build_run
 
-    return Drawing("forms", build_forms, 460, 420), Drawing("run", build_run, 400, 420)
+    return Drawing("forms", build_forms, 430, 420), Drawing("run", build_run, 420, 420)
 
 
 def describe(result):

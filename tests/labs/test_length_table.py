@@ -63,6 +63,14 @@ def test_filters_of_the_paper(known):
     assert search.wrong.successes == 0
 
 
+def test_wrong_length_costs_fixes(known):
+    """Off by 5 mm, the sigma that the filter believes, most stay; off by 5 cm hardly any is right."""
+    search = [BY_NAME["each epoch alone, search (C-LAMBDA)"]]
+    exact, near, far = (length_table(known, search, most=12, length_error=error)[0].right.rate for error in (0.0, 0.005, 0.05))
+    assert exact > near > 0.7
+    assert far < 0.05
+
+
 def test_progress_is_told(known):
     told = []
     length_table(known, [BY_NAME["each epoch alone"], BY_NAME["direct"]], most=3, progress=lambda *now: told.append(now))
