@@ -35,7 +35,7 @@ CONTROLS = (
     Switch("single_epoch", "Each second alone", False, help="On: no memory. Off: a filter carries the integers on.", more=True),
     Slider("carrier_noise", "Carrier noise", 0.5, 5, 0.5, 2, "mm", help="Of one reading at the zenith; multipath adds one and a half times as much.",
            more=True),
-    Slider("doppler_noise", "Doppler noise", 0.5, 20, 0.5, 5, "cm/s", help="Of one reading at the zenith: what the master's velocity is made of.",
+    Slider("doppler_noise", "Doppler noise", 0.5, 20, 0.5, 5, "cm/s", help="Of one reading at the zenith: what the master's velocity is made of. It matters where the receivers are apart in time.",
            more=True),
     Slider("seed", "Seed", 1, 100, 1, 1, help="Another seed is another draw of the noise.", more=True),
 )  # fmt: skip
@@ -277,10 +277,7 @@ def platforms_lab():
 
 def blocked(settings):
     """Return for each control without effect the reason why."""
-    if settings["time_offset"]:
-        return {}
-    reason = "no effect: the receivers measure at the same instant"
-    return {"correction": reason, "doppler_noise": reason}
+    return {} if settings["time_offset"] else {"correction": "no effect: the receivers measure at the same instant"}
 
 
 def figure(result):
