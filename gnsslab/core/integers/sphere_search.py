@@ -18,6 +18,7 @@ from gnsslab.core.sphere import principal_axes, sphere_kernel
 NOT_JOINTLY_POSITIVE = -10  # beside the statuses of decorrelation and of `split`
 _LONGEST = 64.0  # entries of L left as they are; see `search`
 _GROWTH = 2.0  # of the bound: one twice too large costs 2^(n/2) times the nodes, one too small another pass
+_SAFELY = 1 + 1e-9  # a bound is exclusive, and known but for rounding
 _ROUNDING = 1e-13  # of a variance of b: rounding leaves this much of one that is zero
 
 
@@ -25,7 +26,8 @@ _ROUNDING = 1e-13  # of a variance of b: rounding leaves this much of one that i
 def fix_groups_on_sphere(a, Q_a, b, Q_b, Q_ba, length, bounds, n_best, node_limit):
     """Fix a (groups, m, n), b (groups, m, p), the m of a group sharing Q_a (n, n), Q_b (p, p), Q_ba (p, n), decorrelated once.
 
-    bounds (groups, m) are the first ones; where fewer than n_best vectors cost less, the bound expands. Returns candidates
+    bounds (groups, m) are the first ones; where fewer than n_best vectors cost less, the bound expands: to the least cost of the
+    best one's neighbours where one is missing (a second best is often thousands of times worse), else by steps. Returns candidates
     (groups m n_best, n), norms (groups m, n_best), nodes (groups m, 1), baselines (groups m n_best, p), status and group.
     """
     groups = len(Q_a)
@@ -47,13 +49,16 @@ def fix_groups_on_sphere(a, Q_a, b, Q_b, Q_ba, length, bounds, n_best, node_limi
                 rest = node_limit - nodes[row][0]
                 found, passed = search_on_sphere(M, n + v, d, G, spread, axes, levels, path, length, bound, candidates, first, norms[row], rest)
                 nodes[row][0] += passed
-                bound *= _GROWTH
+                beyond = math.inf
+                if found > 0 and found == n_best - 1:
+                    beyond = neighbour_beyond(M, n + v, d, G, spread, axes, levels, path, length, candidates[first], bound) * _SAFELY
+                bound = beyond if beyond < math.inf else bound * _GROWTH
             for i in range(found, n_best):
                 norms[row][i] = math.inf
                 for j in range(p):
                     baselines[first + i][j] = math.nan
             for i in range(first, first + found):
-                land(M, n + v, G, spread, axes, levels, path, length, candidates[i], baselines[i])
+                land(M, n + v, d, G, spread, axes, levels, path, length, candidates[i], baselines[i])
             for i in range(first, first + n_best):
                 restore(candidates, i, a[group], v, W, levels[0], levels[1])
     return candidates, norms, nodes, baselines, GOOD, groups
@@ -160,18 +165,21 @@ def float_value(M, column, e, k):
 def cost_on_sphere(k, e_k, G, spread, axes, path, length, rest):
     """Return the least cost of putting b, given z_k ... z_n, on the sphere; infinite where it is `rest` or more for certain.
 
-    path[k] becomes b's mean; the two rows behind path[n] are scratch.
+    (|b| - l)^2 / q_max <= cost <= (|b| - l)^2 / q_min: where these decide whether a branch is cut the cost itself does not matter, but
+    at the last level. path[k] becomes b's mean; the two rows behind path[n] are scratch.
     """
     p, n = len(path[0]), len(G)
     b, above, turned, q = path[k], path[k + 1], path[n + 1], spread[k]
-    square, q_max = 0.0, 0.0
+    square, q_max, q_min = 0.0, 0.0, math.inf
     for j in range(p):
         b[j] = above[j] + e_k * G[k][j]
         square += b[j] * b[j]
-        q_max = max(q_max, q[j])
+        q_max, q_min = max(q_max, q[j]), min(q_min, q[j])
     off = math.sqrt(square) - length
     if off * off >= rest * q_max:
         return math.inf
+    if k > 0 and off * off < rest * q_min:
+        return 0.0
     turn(axes[k], b, turned)
     return sphere_kernel(turned, q, length, path[n + 2])
 
@@ -187,13 +195,40 @@ def turn(V, b, turned):
 
 
 @kernel
-def land(M, column, G, spread, axes, levels, path, length, candidate, baseline):
-    """Write the baseline (p,) on the sphere that goes with a candidate z (n,)."""
-    n, p, e = len(G), len(baseline), levels[2]
-    for k in range(n - 1, -1, -1):
+def neighbour_beyond(M, column, d, G, spread, axes, levels, path, length, candidate, bound):
+    """Return the least cost, of those not below the bound, of the neighbours of a candidate z (n,): one integer moved by one, either way."""
+    least = math.inf
+    for i in range(len(d)):
+        for move in (1, -2):
+            candidate[i] += move
+            norm = descend(M, column, d, G, levels, path, candidate, least)
+            if norm < least:
+                turn(axes[0], path[0], path[len(d) + 1])
+                cost = norm + sphere_kernel(path[len(d) + 1], spread[0], length, path[len(d) + 2])
+                least = cost if bound <= cost < least else least
+        candidate[i] += 1
+    return least
+
+
+@kernel
+def descend(M, column, d, G, levels, path, candidate, most):
+    """Write b given z_k ... z_n to path[k] for each level of a candidate z (n,); returns the squared distance, infinite where it reaches `most`."""
+    norm, e = 0.0, levels[2]
+    for k in range(len(d) - 1, -1, -1):
         e[k] = candidate[k] - float_value(M, column, e, k)
-        for j in range(p):
+        norm += e[k] * e[k] / d[k]
+        if norm >= most:
+            return math.inf
+        for j in range(len(path[k])):
             path[k][j] = path[k + 1][j] + e[k] * G[k][j]
+    return norm
+
+
+@kernel
+def land(M, column, d, G, spread, axes, levels, path, length, candidate, baseline):
+    """Write the baseline (p,) on the sphere that goes with a candidate z (n,)."""
+    n, p = len(G), len(baseline)
+    descend(M, column, d, G, levels, path, candidate, math.inf)
     turn(axes[0], path[0], path[n + 1])
     sphere_kernel(path[n + 1], spread[0], length, path[n + 2])
     for j in range(p):

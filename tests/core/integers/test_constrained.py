@@ -256,3 +256,19 @@ def test_bad_calls_are_explained(wrong, message):
     assert constrained_integer_least_squares(**GOOD_CALL).complete
     with pytest.raises(ValueError, match=message):
         constrained_integer_least_squares(**(GOOD_CALL | wrong))
+
+
+def test_a_second_best_far_away_takes_no_long_search(rng):
+    """Sigmas of a hundredth of a cycle: a second best costs thousands, the first bound holds the best only, and a neighbour tells the next one."""
+    n = 12
+    A = rng.standard_normal((n, n)) / n**0.5 + 2 * np.eye(n)
+    Q_a, Q_ba = 1e-5 * A @ A.T, 1e-3 * rng.standard_normal((3, n)) / n
+    Q_b = Q_ba @ np.linalg.solve(Q_a, Q_ba.T) + 1e-4 * np.eye(3)
+    truth, b = rng.integers(-9, 9, n), np.array([0.6, 0.0, 0.8])
+    floats = truth + 0.003 * rng.standard_normal(n), Q_a, b, Q_b, Q_ba, 1.0
+    found, certain = constrained_integer_least_squares(*floats), constrained_by_shrinking(*floats)
+    assert np.array_equal(found.best, truth)
+    assert found.norms[1] > 100 * 2 * (n + 1), "many steps of the bound away"
+    assert np.array_equal(found.candidates, certain.candidates)
+    assert np.allclose(found.norms, certain.norms, rtol=1e-9)
+    assert found.nodes < 2 * certain.nodes + 3 * n
