@@ -35,8 +35,7 @@ CONTROLS = (
     Switch("single_epoch", "Each second alone", False, help="On: no memory. Off: a filter carries the integers on.", more=True),
     Slider("carrier_noise", "Carrier noise", 0.5, 5, 0.5, 2, "mm", help="Of one reading at the zenith; multipath adds one and a half times as much.",
            more=True),
-    Slider("doppler_noise", "Doppler noise", 0.5, 20, 0.5, 5, "cm/s", help="Of one reading at the zenith: what the master's velocity is made of. It matters where the receivers are apart in time.",
-           more=True),
+    Slider("doppler_noise", "Doppler noise", 0.5, 20, 0.5, 5, "cm/s", help="Of one reading at the zenith: the velocity comes from it.", more=True),
     Slider("seed", "Seed", 1, 100, 1, 1, help="Another seed is another draw of the noise.", more=True),
 )  # fmt: skip
 

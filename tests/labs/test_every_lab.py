@@ -33,6 +33,7 @@ STARTS = {
     "soft-fixing": ({}, {"satellites": 8, "frequencies": 2, "code_noise": 0.2, "trees": 1, "risk": 0.001}),
     "known-length": ({"direction": "set", "epochs": 100},),
     "fewer-satellites": ({"data": "simulated", "acceptance": "rate"},),
+    "platforms": ({"time_offset": 500},),
     "three-filters": ({}, {"scene": "turntable", "mode": "position"}),
     "filter-health": ({"seed": 3},),
     "length-forms": ({"data": "simulated", "satellites": 6, "multipath": 0.2, "seed": 2},),
