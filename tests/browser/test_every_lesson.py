@@ -10,8 +10,12 @@ from gnsslab.labs.controls import Slider
 from gnsslab.teaching.catalogue import LESSONS
 
 PATIENCE = 90_000  # [ms], the very first load compiles kernels
-START = {"01": "?lab=signal&slip_cycles=1"}  # without a slip its place has no effect
+START = {
+    "01": "?lab=signal&slip_cycles=1",  # without a slip its place has no effect
+    "05": "?lab=platforms&time_offset=50",  # receivers in step need no velocity, so its noise has none
+}
 LEFT_LOW = {"mask_deg", "mask", "lowest"}  # a high mask leaves nothing for the other sliders to change
+RESET_AFTER = {("filter-health", "multipath"), ("length-forms", "multipath")}  # with so much nothing is fixed, and nothing to be held
 IS_DARK = "document.body.classList.contains('dark') || document.documentElement.classList.contains('dark')"
 PARTS = ".gl-pictures, .gl-controls, .gl-readouts, .gl-head"
 WIDEST = f"Math.max(...[...document.querySelectorAll('{PARTS}')].map(part => part.getBoundingClientRect().right))"
@@ -68,7 +72,15 @@ def test_each_slider_changes_what_its_lab_shows(open_lesson, dataset, lesson):
         for control in lab.controls:
             if isinstance(control, Slider):
                 _press_to_both_ends(page, name, control, control.name in blocked)
+            if (name, control.name) in RESET_AFTER:
+                _press_preset(page, name, lab.presets[0])
         assert {other: _shown(page, other) for other in untouched} == untouched
+
+
+def _press_preset(page, lab, preset):
+    before = _shown(page, lab)
+    page.get_by_role("button", name=preset.label, exact=True).click()
+    _await_change(page, lab, before, f"{lab}: preset {preset.name}")
 
 
 def _press_to_both_ends(page, lab, control, is_blocked):
