@@ -32,7 +32,7 @@ def _outputs(report):
 
     from gnsslab.cli.outputs import check_output
 
-    if not report.lower().endswith((".html", ".htm")):
+    if Path(report).suffix.lower() not in (".html", ".htm"):
         raise ValueError(f"-o {report}: expected a name that ends in .html")
     numbers = str(Path(report).with_suffix(".json"))
     for path in (report, numbers):
@@ -56,7 +56,7 @@ def _reproduce(given, letters, outputs, seeds):
     typed = f"gnsslab reproduce {' '.join(letters)} -o {Path(outputs[0]).name} --seeds {len(seeds)} --seed {seeds.start}"
     for path, text in zip(outputs, (report_html(found, typed), report_json(found)), strict=True):
         Path(path).write_text(text, encoding="utf-8")
-    write_provenance(outputs, "reproduce", given | {"papers": list(letters)}, notes=[RULE, *(note for one in found for note in one.notes)])
+    write_provenance(outputs[:1], "reproduce", given | {"papers": list(letters)}, notes=[RULE, *(note for one in found for note in one.notes)])
     for one in found:
         print(f"paper {one.letter}: {tally(one.lines)}")
     print(f"written to {outputs[0]} and {outputs[1]}")

@@ -16,13 +16,13 @@ def folder(tmp_path_factory):
 
 
 def test_report_numbers_and_what_made_them(folder):
-    assert {path.name for path in folder.iterdir()} == {"report.html", "report.json", "report.html.json", "report.json.json"}
+    assert {path.name for path in folder.iterdir()} == {"report.html", "report.json", "report.html.json"}
     lines = json.loads((folder / "report.json").read_text("utf-8"))
     assert {line["paper"] for line in lines} == {"A"}
     assert {line["seeds"] for line in lines} <= {0, 1, 2}
     wanted = {"paper", "item", "quantity", "unit", "paper_value", "ours_mean", "ours_sd", "seeds", "verdict", "cause"}
     assert all(wanted <= set(line) for line in lines)
-    made = json.loads((folder / "report.json.json").read_text("utf-8"))
+    made = json.loads((folder / "report.html.json").read_text("utf-8"))
     assert made["options"] == {"papers": ["A"], "output": str(folder / "report.html"), "seeds": 2, "seed": 7}
     assert "gnsslab reproduce A -o report.html --seeds 2 --seed 7" in (folder / "report.html").read_text("utf-8")
 
@@ -43,6 +43,7 @@ def test_same_seeds_same_report_and_no_letter_is_all(run, folder, tmp_path):
         (("A", "--seeds", 0), "--seeds 0: expected a whole number from 1"),
         (("A", "--seed", -1), "--seed -1: expected a whole number, zero or above"),
         (("A", "-o", "report.txt"), "expected a name that ends in .html"),
+        (("A", "-o", ".html"), "expected a name that ends in .html"),
         (("A", "-o", "no-such-folder/report.html"), "folder of the output"),
     ],
 )
