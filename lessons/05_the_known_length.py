@@ -184,9 +184,9 @@ def _(mo):
 
     $$z = \ell - \|b\|, \qquad H = \frac{b^\top}{\|b\|}, \qquad R = \sigma_b^2$$
 
-    In words: [$\ell$](/notation#ell) less the length that the filter has; $H$ is the direction of the beam. So the row sees what lies along the beam, and nothing across. A sigma of 10 mm along becomes
+    In words: [$\ell$](/notation#ell) less the length that the filter has; $H$ is the direction of the beam. So the row sees what lies along the beam, and nothing across. A sigma of 8 mm along becomes
 
-    $$\left(\frac{1}{10^2} + \frac{1}{5^2}\right)^{-1/2} = 4.47\ \text{mm}$$
+    $$\left(\frac{1}{8^2} + \frac{1}{5^2}\right)^{-1/2} = 4.24\ \text{mm}$$
 
     And heading and pitch? They are what lies *across*: the heading on the level, the pitch upwards. With [$\sigma_e$](/notation#sigma_e), [$\sigma_n$](/notation#sigma_n), [$\sigma_u$](/notation#sigma_u) uncorrelated:
 
@@ -213,7 +213,7 @@ def _(lesson, prediction):
 
     $$\mathrm{NIS} = z^\top S^{-1} z$$
 
-    In words: how large is the innovation, measured in sigmas of what the filter expects, squared and summed up? With [$k$](/notation#k) measurements it is [$k$](/notation#k) in the mean and its variance is $2k$, if all is well. Here $k$ is 13: for one second anything from 5 to 25 is usual, and the mean of 100 seconds lies between 12.0 and 14.0.
+    In words: how large is the innovation, measured in sigmas of what the filter expects, squared and summed up? With [$k$](/notation#k) measurements it is [$k$](/notation#k) in the mean and its variance is $2k$, if all is well. Here $k$ is 13: for one second anything from 5 to 25 is usual. The mean of 100 seconds is ten times as sharp (question 9).
 
     **The first picture**, from above: the innovations of the carriers, one of them with the band that the filter expects; the NIS of carriers and codes, with its running mean; the error of the heading with the filter's two sigma; when it was fixed and held. **The second picture**: how often each NIS occurs, beside what is promised; and first fixes.
     """)
@@ -483,7 +483,7 @@ def _(mo):
 
     $$\arctan\frac{v\,\Delta t}{\ell}$$
 
-    With 20 m/s and 1 ms that is 2 cm, and **0.98°** on a beam of 1.167 m. Clocks of cheap receivers drift by as much within minutes if they are not steered. A turntable hides it: at 6 cm/s a millisecond is 0.06 mm.
+    With 15 m/s and 1 ms that is 1.5 cm, and **0.74°** on a beam of 1.167 m. Clocks of cheap receivers drift by as much within minutes if they are not steered. A turntable hides it: at 6 cm/s a millisecond is 0.06 mm.
 
     What the correction costs: the sigma of the velocity times $\Delta t$. A millisecond costs nothing. A whole second, with Dopplers of 5 cm/s, costs some 9 cm of height and so **five degrees of pitch**.
 
@@ -656,16 +656,16 @@ def _(mo):
     mo.md(r"""
     ## Find the printed error
 
-    Set **Formula as printed** in the first lab, one after the other.
+    Set **Formula as printed** in the first lab, one after the other, or press the buttons named here.
 
     | equation | printed | right | what it does |
     |:---|:---|:---|:---|
-    | (6) pitch | $\arcsin\frac{u}{h}$ | $\arctan\frac{u}{h}$ | 20° becomes **21.344°**; above 45° there is no answer. Set **Pitch** to 20° |
-    | (16) length row | $R = \ell^2$ | $R = \sigma_b^2$ | the row does nothing: 10 mm along the beam stay 10.00 mm, not 4.47 mm |
-    | (25) prediction | $F P + Q$ | $F P F^\top + Q$ | $P$ is no covariance any more and does not grow: the filter is sure to 0.02°. On the turntable it is off by half a turn |
-    | (30), (31) residual | without the range | less the geometric range | the filter cannot find its baseline: the heading turns round and round |
-    | (33) heading sigma | a square is missing, times $\cos\theta$ | as above | 3.24° in place of 0.428°, and another number in other units |
-    | (34) pitch sigma | a cosine is missing, east and north exchanged | as above | 0.737° in place of 0.728°: small, so nobody notices |
+    | (6) pitch | $\arcsin\frac{u}{h}$ | $\arctan\frac{u}{h}$ | 30° becomes **35.3°**; above 45° there is no answer. Press **Printed pitch** |
+    | (16) length row | $R = \ell^2$ | $R = \sigma_b^2$ | the row does nothing: 8 mm along the beam stay 8.00 mm, not 4.24 mm. **Row as printed** |
+    | (25) prediction | $F P + Q$ | $F P F^\top + Q$ | $P$ is no covariance any more and does not grow: the filter is sure to 0.02°. On the turntable it is off by half a turn. **Printed prediction** |
+    | (30), (31) residual | without the range | less the geometric range | the filter cannot find its baseline: the heading turns round and round. **Printed residual** |
+    | (33) heading sigma | a square is missing, times $\cos\theta$ | as above | 7.6 times too large, and another number in other units. **Printed sigma** |
+    | (34) pitch sigma | a cosine is missing, east and north exchanged | as above | 1 % too large, so nobody notices |
 
     The numbers of the last two lines are for a beam of 1.167 m at a heading of 50° and a pitch of 25°, with sigmas of 6, 9 and 16 mm.
 
@@ -688,14 +688,14 @@ def _(mo):
 
 @app.cell(hide_code=True)
 def _(lesson):
-    printed_pitch = lesson.ask("pitch-as-printed")
-    lesson.sheet("pitch-as-printed", printed_pitch)
+    printed_pitch = lesson.ask("a-steep-pitch-as-printed")
+    lesson.sheet("a-steep-pitch-as-printed", printed_pitch)
     return (printed_pitch,)
 
 
 @app.cell(hide_code=True)
 def _(lesson, printed_pitch):
-    lesson.check("pitch-as-printed", printed_pitch.value)
+    lesson.check("a-steep-pitch-as-printed", printed_pitch.value)
     return
 
 

@@ -20,7 +20,7 @@ from gnsslab.simulate import find_preset, simulate
 from gnsslab.systems.constrained_filter import run_filter, steady_path
 from gnsslab.systems.dual_antenna import A_STATIC, angle_sigmas
 from gnsslab.systems.length_row import LengthUse
-from gnsslab.systems.printed_attitude import sigma_heading_as_printed, sigma_pitch_as_printed
+from gnsslab.systems.printed_attitude import pitch_as_printed, sigma_heading_as_printed, sigma_pitch_as_printed
 from gnsslab.teaching.catalogue import find_lesson
 
 TEXT = find_lesson("05").path.read_text("utf-8")
@@ -143,10 +143,11 @@ def test_words_about_the_printed_errors(three):
     printed_sigmas = [way(*angles, 1.167, sigma) for way in (sigma_heading_as_printed, sigma_pitch_as_printed)]
     heading, pitch = angles
     beam = 1.167 * np.array([np.cos(pitch) * np.sin(heading), np.cos(pitch) * np.cos(heading), np.sin(pitch)])
-    assert np.degrees(printed_sigmas) == pytest.approx([3.24, 0.737], abs=0.005)
-    assert np.degrees(angle_sigmas(beam, np.diag(sigma**2))) == pytest.approx([0.428, 0.728], abs=0.0005)
     assert round(1.167 / 0.005) == 233
-    says("3.24° in place of 0.428°", "0.737° in place of 0.728°", "0.16° in place of 0.26°", "a factor of 233", "sure to 0.02°")
+    times = np.array(printed_sigmas) / angle_sigmas(beam, np.diag(sigma**2))
+    assert times == pytest.approx([7.6, 1.01], abs=0.05)
+    assert np.degrees(pitch_as_printed([0, np.cos(np.pi / 6), 0.5])) == pytest.approx(35.3, abs=0.05)
+    says("7.6 times too large", "1 % too large", "30° becomes **35.3°**", "0.16° in place of 0.26°", "a factor of 233", "sure to 0.02°")
 
 
 def test_words_about_a_tilted_beam():
@@ -155,6 +156,15 @@ def test_words_about_a_tilted_beam():
     after = P - np.outer(P @ along, P @ along) / (along @ P @ along + 5.0**2)
     assert [np.sqrt(across @ Q @ across) for Q in (P, after)] == pytest.approx([14.6, 13.2], abs=0.05)
     says("from 14.6 mm to 13.2 mm")
+
+
+def test_words_about_a_row_and_a_late_receiver():
+    for sigma, left in ((0.005, 4.24), (1.167, 8.00)):  # of a prior of 8 mm
+        assert 1e3 / np.sqrt(0.008**-2 + sigma**-2) == pytest.approx(left, abs=0.005)
+    assert np.degrees(np.arctan(0.015 / 1.167)) == pytest.approx(0.74, abs=0.005)
+    across, speed = 0.4, 0.061  # [m] of a crooked row, [m/s] of a turntable
+    assert (across**2 / 2, speed / 1000) == pytest.approx((0.08, 0.06 * MM), rel=0.02)
+    says("4.24", "**0.74°** on a beam", "With 40 cm and a beam of 1 m that is 8 cm")
 
 
 def test_words_about_the_second_lab(health):

@@ -14,7 +14,7 @@ PREDICTION = Prediction(
 
 QUESTIONS = (
     Question(
-        name="pitch-as-printed",
+        name="a-steep-pitch-as-printed",
         text=(
             "A beam points up by 20°. What pitch does the paper's equation (6) give, "
             r"$\theta = \arcsin\frac{u}{h}$, with the level distance $h = \sqrt{e^2 + n^2}$?"

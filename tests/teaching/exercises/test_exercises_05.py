@@ -46,9 +46,9 @@ def steep_beam():
 def test_pitch_as_printed_by_the_library_and_by_a_triangle():
     e, n, u = 0.0, math.cos(math.radians(20)), math.sin(math.radians(20))
     printed = math.degrees(math.asin(u / math.hypot(e, n)))
-    assert printed == answer("pitch-as-printed", 1e-5)
-    assert np.degrees(pitch_as_printed([e, n, u])) == answer("pitch-as-printed", 1e-5)
-    assert [20, math.degrees(math.atan(u)), printed - 20, math.radians(printed)] == mistakes("pitch-as-printed")
+    assert printed == answer("a-steep-pitch-as-printed", 1e-5)
+    assert np.degrees(pitch_as_printed([e, n, u])) == answer("a-steep-pitch-as-printed", 1e-5)
+    assert [20, math.degrees(math.atan(u)), printed - 20, math.radians(printed)] == mistakes("a-steep-pitch-as-printed")
 
 
 def test_words_about_other_pitches():
