@@ -95,7 +95,7 @@ def without_gaps(found):
     """Return single-point positions (T, 3), missing epochs taken from the nearest solved one before, else from the first one."""
     solved = np.isfinite(found.position_ecef[:, 0])
     if not solved.any():
-        raise ValueError(f"no position at any epoch: {found.main_reason()}")
+        raise ValueError(f"no position at any epoch: {found.main_reason() or 'there are no epochs'}")
     source = np.maximum.accumulate(np.where(solved, np.arange(len(solved)), -1))
     source[source < 0] = np.argmax(solved)
     return found.position_ecef[source]

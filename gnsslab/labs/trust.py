@@ -49,7 +49,6 @@ CONTROLS = (
 )  # fmt: skip
 OF_THE_MODEL = ("satellites", "frequencies", "code_noise", "carrier_noise", "epochs")
 BIASES = ("code_bias", "carrier_bias")
-OF_THE_DRAW = ("samples", "seed")
 
 FIVE = {"satellites": 5, "frequencies": 2, "code_noise": 0.3}
 TWENTY = {"satellites": 8, "frequencies": 3, "code_noise": 1, "carrier_noise": 8, "samples": 4000}

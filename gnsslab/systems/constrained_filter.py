@@ -41,7 +41,7 @@ _NODE_LIMIT = 50_000
 
 @dataclass(frozen=True)
 class FilterSettings:
-    """How the filter of paper A works; the defaults are those calibrated for its presets (papers' section A.2)."""
+    """How the filter of paper A works; the defaults are those of its presets, whose noise gives the scatter of its figures."""
 
     length: float = 1.167  # [m]
     length_sigma: float = 0.005  # [m], of the row; the paper prints the length itself (equation 16)
@@ -106,12 +106,16 @@ def steady_path(prepared, velocity_noise):
     """Return the Path of a baseline whose velocity wanders (equations 23 to 28, mended): Q_v = S' diag(sigma^2) S dt.
 
     `velocity_noise` (3,) [m/s per sqrt(s)] east, north, up. After a gap all starts anew (`motion.moving`).
+    Raises ValueError for a noise that is not three numbers, zero or above.
     """
+    sigma = np.asarray(velocity_noise, dtype=float)
+    if sigma.shape != (3,) or not (np.isfinite(sigma) & (sigma >= 0)).all():
+        raise ValueError(f"the velocity noise must be three numbers, zero or above (east, north, up, in m/s per root second), not {velocity_noise}")
     pair, R_ne = prepared.model.pair, enu_rotation(prepared.master_ecef)
     path = moving(pair.time, prepared.model.near)
     goes_on = path.F[:, 0, 0] > 0
     dt = np.diff(pair.time, prepend=pair.time[:1]) / np.timedelta64(1, "s")
-    Q_v = R_ne.swapaxes(-1, -2) @ (np.square(velocity_noise)[:, None] * R_ne) * dt[:, None, None]
+    Q_v = R_ne.swapaxes(-1, -2) @ (sigma[:, None] ** 2 * R_ne) * dt[:, None, None]
     Q = np.where(goes_on[:, None, None], 0.0, path.Q)
     Q[goes_on, 3:, 3:] = Q_v[goes_on]
     return path._replace(Q=Q)
@@ -130,6 +134,7 @@ def _check(settings):
             0 < settings.length_sigma < np.inf,
             f"the sigma of the length must be more than 0 m, not {settings.length_sigma:g}",
         ),
+        (settings.length_use in tuple(LengthUse), f"the use of the length must be one of LengthUse, not {settings.length_use}"),
         (settings.ratio >= 1, f"the ratio must be 1 or more (second best over best squared norm), not {settings.ratio:g}"),
         (settings.hold_after >= 0, f"hold_after counts fixes in a row, 0 for never; it is {settings.hold_after}"),
         (0 < settings.hold_sigma < np.inf, f"the sigma of held integers must be more than 0 cycles, not {settings.hold_sigma:g}"),

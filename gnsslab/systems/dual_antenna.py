@@ -75,10 +75,10 @@ def dual_antenna_attitude(master, rover, ephemerides, *, length=None, length_sig
     `gnss.preparation.Settings`: systems, frequencies or signals, mask_deg, single_epoch...
     A fixed epoch that the length contradicts becomes float, its baseline as measured: either its integers are wrong or the tape is.
     Where the length fits badly, or leaves most epochs float, `Attitude.warnings` says so.
-    Raises ValueError without common epochs or satellites, for a length or sigma that is not positive, or where most fixed epochs
+    Raises ValueError without common epochs or satellites, for a length, sigma or mount heading that makes no sense, or where most fixed epochs
     agree on another length (`systems.length_check`).
     """
-    _check_length(length, length_sigma)
+    _check(length, length_sigma, mount_heading)
     solve = partial(solve_moving, master, rover, ephemerides, **settings)
     if length is None:
         return _attitude(solve(progress=progress), mount_heading)
@@ -150,8 +150,10 @@ def with_known_length(baseline, Q, length, length_sigma):
     return np.where(sure[..., None], updated, baseline), np.where(sure[..., None, None], Q_updated, Q)
 
 
-def _check_length(length, length_sigma):
+def _check(length, length_sigma, mount_heading):
     if length is not None and not 0 < length < np.inf:
         raise ValueError(f"the length between the antennas must be more than 0 m, not {length:g}; leave it out if it is not known")
-    if not length_sigma > 0:
+    if not 0 < length_sigma < np.inf:
         raise ValueError(f"the sigma of the length must be more than 0 m, not {length_sigma:g}; 0.005 is a good tape measure")
+    if not np.isfinite(mount_heading):
+        raise ValueError(f"the mount heading must be an angle in radians, not {mount_heading:g}")
