@@ -198,10 +198,11 @@ def turn(V, b, turned):
 def neighbour_beyond(M, column, d, G, spread, axes, levels, path, length, candidate, bound):
     """Return the least cost, of those not below the bound, of the neighbours of a candidate z (n,): one integer moved by one, either way."""
     least = math.inf
-    for i in range(len(d)):
+    descend(M, column, d, G, levels, path, candidate, len(d) - 1, math.inf)
+    for i in range(len(d)):  # from the bottom up: what stands above a level stays right
         for move in (1, -2):
             candidate[i] += move
-            norm = descend(M, column, d, G, levels, path, candidate, least)
+            norm = descend(M, column, d, G, levels, path, candidate, i, least)
             if norm < least:
                 turn(axes[0], path[0], path[len(d) + 1])
                 cost = norm + sphere_kernel(path[len(d) + 1], spread[0], length, path[len(d) + 2])
@@ -211,10 +212,15 @@ def neighbour_beyond(M, column, d, G, spread, axes, levels, path, length, candid
 
 
 @kernel
-def descend(M, column, d, G, levels, path, candidate, most):
-    """Write b given z_k ... z_n to path[k] for each level of a candidate z (n,); returns the squared distance, infinite where it reaches `most`."""
-    norm, e = 0.0, levels[2]
-    for k in range(len(d) - 1, -1, -1):
+def descend(M, column, d, G, levels, path, candidate, top, most):
+    """Write b given z_k ... z_n to path[k] for each level from the top one down; returns the squared distance, infinite where it reaches `most`.
+
+    What stands in `levels` and `path` above the top one must be the candidate's, z (n,), already.
+    """
+    e, above = levels[2], levels[4]
+    norm = above[top] if top < len(d) - 1 else 0.0
+    for k in range(top, -1, -1):
+        above[k] = norm
         e[k] = candidate[k] - float_value(M, column, e, k)
         norm += e[k] * e[k] / d[k]
         if norm >= most:
@@ -228,7 +234,7 @@ def descend(M, column, d, G, levels, path, candidate, most):
 def land(M, column, d, G, spread, axes, levels, path, length, candidate, baseline):
     """Write the baseline (p,) on the sphere that goes with a candidate z (n,)."""
     n, p = len(G), len(baseline)
-    descend(M, column, d, G, levels, path, candidate, math.inf)
+    descend(M, column, d, G, levels, path, candidate, n - 1, math.inf)
     turn(axes[0], path[0], path[n + 1])
     sphere_kernel(path[n + 1], spread[0], length, path[n + 2])
     for j in range(p):
