@@ -621,7 +621,7 @@ def _(mo):
     mo.md(r"""
     ## Reproduce
 
-    The paper's numbers beside ours. Ours are medians of 20 simulated campaigns, at 218 s with their standard deviation. At rest seconds 100 to 649 count. `gnsslab reproduce A -o report` makes them anew, with all the rest.
+    The paper's numbers beside ours. Ours are medians of 20 simulated campaigns, at 218 s with their standard deviation. At rest seconds 100 to 649 count. `gnsslab reproduce A -o paper-a.html` makes them anew, with all the rest.
 
     | what | paper | ours | verdict |
     |:---|---|---|---|
