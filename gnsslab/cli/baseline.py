@@ -20,8 +20,10 @@ class Inputs(NamedTuple):
 
 def open_inputs(files, span, output, plot):
     """Return the Inputs of master, rover and navigation, once it is sure that the results can be written."""
-    from gnsslab.cli.outputs import check_output, check_picture
+    from gnsslab.cli.outputs import PICTURES, check_output, check_picture
 
+    if Path(output).suffix.lower() in PICTURES:
+        raise ValueError(f"-o {output}: expected the name of a table, such as OUT.csv; a picture's name stands after --plot")
     named = (files[0], files[1], *files[2])
     check_output(output, named)
     check_picture(plot, named)

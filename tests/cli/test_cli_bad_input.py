@@ -164,6 +164,7 @@ def test_output_that_cannot_be_written_is_found_out_before_the_work(run, files, 
     (tmp_path / "a-file").write_text("")
     assert_one_sentence(run(command, *files, "-o", tmp_path), "folder")
     assert_one_sentence(run(command, *files, "-o", tmp_path / "nowhere" / "out.csv"), "does not exist")
+    assert_one_sentence(run(command, *files, "-o", tmp_path / "x.png", "--plot", tmp_path / "x.png"), "after --plot", tmp_path / "x.png")
     assert_one_sentence(run(command, *files, "-o", tmp_path / "a-file" / "out.csv"), "does not exist")
     assert_one_sentence(run(command, *files, "-o", "/proc/out.csv" if Path("/proc/self").exists() else tmp_path), "written|folder")
 
