@@ -60,14 +60,14 @@ def describe_platforms(result):
 
 
 def _series(result):
-    """Return for each of the three panels what it shows: errors and sigma [deg], rate, its sigma and the true one [deg/s]."""
+    """Return for each of the three panels what it shows: errors and sigma [deg], rate and the true one [deg/s]."""
     if result.attitude is None:
-        return (None, None), (None, None), (None, None, None)
+        return ((None, None),) * 3
     attitude, rate = result.attitude, result.rate
     return (
         (np.degrees(result.heading_error), np.degrees(attitude.sigma_heading)),
         (np.degrees(result.pitch_error), np.degrees(attitude.sigma_pitch)),
-        (np.degrees(rate.rate), np.degrees(rate.sigma), np.degrees(result.true_rate)),
+        (np.degrees(rate.rate), np.degrees(result.true_rate)),
     )
 
 
@@ -120,7 +120,7 @@ class _Rate:
         """The artists that change with every result, lowest first."""
         return (self.measured, self.truth)
 
-    def show(self, result, rate, sigma, truth):
+    def show(self, result, rate, truth):
         """Fill in the rates; return the limit, which is the frame."""
         if rate is None:
             return _cleared(self.moving)
