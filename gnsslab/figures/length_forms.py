@@ -61,7 +61,7 @@ class _Bars:
         axes.tick_params(axis="y", length=0)
         axes.grid(False)
         self.parts = {name: axes.add_collection(PolyCollection([], label=label, linewidths=0.5, **style)) for name, (label, style) in PARTS.items()}
-        (self.intervals,) = axes.plot([], [], color=DARK, linewidth=2.2, label="95 % of a count", clip_on=False)
+        (self.intervals,) = axes.plot([], [], color=DARK, linewidth=2.2, label="95 % interval", clip_on=False)
         self.chosen = axes.text(-0.76, 0, "▶", transform=axes.get_yaxis_transform(), fontsize=9, va="center", ha="left", color=DARK)
         self.columns = [self._column(axes, place) for place in PLACES]
         for place, text in zip(PLACES, ("right", "wrong", "row\ndropped"), strict=True):

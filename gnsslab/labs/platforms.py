@@ -53,9 +53,9 @@ JOURNEY = (
 
 PRESETS = (
     Preset("car", "A car in the hills", {},
-           "Heading and pitch follow the road, and each curve shows in the rate."),
+           "Heading to 0.26 deg and pitch to 0.48 on a winding road; each curve shows in the rate."),
     Preset("ship", "A ship in swell", {"platform": "ship", "length": 2},
-           "The bow swings a little, up and down more: twice the length halves the scatter."),
+           "A long turn, half a degree a second. On twice the length: heading to 0.13 deg, pitch to 0.36."),
     Preset("turntable", "A turntable", {"platform": "turntable", "systems": "GC"},
            "Six degrees a second, round and round: the rate is known to a fraction of a degree a second."),
     Preset("city", "Between houses", {"platform": "city"},
@@ -69,7 +69,7 @@ PRESETS = (
     Preset("offset-length", "50 ms apart, length known", {"time_offset": 50, "correction": False},
            "The measured vector has not the known length, so nothing is fixed. Switch the correction on."),
     Preset("second", "A second apart, corrected", {"time_offset": 1000, "mount": "across"},
-           "The Doppler velocity is good to centimetres a second, and a second of it makes centimetres: the heading is noisy, but it holds."),
+           "The Doppler velocity is good to centimetres a second, and a second of it makes centimetres: the heading is off by 3 deg rms, but fixed."),
     Preset("short", "30 cm", {"length": 0.3},
            "A short arm: the same millimetres turn it three times as far."),
     Preset("everything", "All systems", {"systems": "GECJ", "frequencies": 2, "single_epoch": True},

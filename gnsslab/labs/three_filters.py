@@ -62,7 +62,7 @@ PRESETS = (
     Preset("no-range", "Printed residual", {"printed": "31"},
            "(30) and (31) as printed leave out the geometric range: the baseline is that of no antenna, and hardly an epoch is fixed."),
     Preset("mirror-street", "Heavy multipath", {"multipath": 12},
-           "Up to 8 mm errors only grow. At 12 mm no epoch is fixed, and the length cannot help: the heading is off by 15 deg rms."),
+           "Up to 8 mm the errors just grow. At 12 mm no epoch is fixed, and the length cannot help: the heading is off by 15 deg rms."),
     Preset("five-metres", "Five metres", {"length": 5},
            "The same millimetres on a longer lever: heading to 0.06 deg, pitch to 0.22."),
     Preset("worse-than-nothing", "A bad velocity", {"scene": "turntable", "mode": "position", "seed": 35},
@@ -132,14 +132,10 @@ def _filter_settings(used):
 
 
 def _note(result):
-    """Return one sentence on the printed formula, or on what goes unseen in the picture."""
+    """Return one sentence where a printed formula goes unseen; any other would take the place of a preset's sentence."""
     used = result.settings
     if used["printed"] in ("6", "34") and used["pitch"] == 0:
         return f"At a pitch of zero ({used['printed']}) as printed is nearly right: tilt the baseline, under more."
-    if used["printed"] == "6":
-        return "(6) as printed has no answer above 45 degrees: such epochs of direct are left out."
-    if used["scene"] == "static":
-        return "At rest the correction (29) changes nothing: the green line lies on the blue dots."
     return ""
 
 

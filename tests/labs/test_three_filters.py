@@ -50,6 +50,10 @@ def turning(lab):
     return [lab.run(scene="turntable", seed=seed) for seed in SEEDS]
 
 
+def test_no_note_takes_the_place_of_a_presets_sentence(at_presets):
+    assert [name for name, result in at_presets.items() if result.note] == []
+
+
 def _spike(result, mode, second):
     """Return the largest heading error [deg] within 20 s of a loss of lock."""
     near = (result.seconds >= second) & (result.seconds < second + 20)
