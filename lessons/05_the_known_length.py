@@ -72,7 +72,7 @@ def _(lesson, prediction):
     * **+ length**: a filter that knows that a baseline moves smoothly, and the length as one more measurement.
     * **+ length + (29)**: besides, the master is moved to the instant at which the rover measured.
 
-    **The first picture** has the errors over time: heading, pitch, length, and below when a solution was not fixed. Between the two grey lines the scale is even, beyond them each step is ten times the one before: so you see millimetres and metres in one picture. **The second picture** is the baseline from above, each second a dot; the grey line is where the length is right.
+    **The first picture** has the errors over time: heading, pitch, length, and below when a solution was not fixed. Between the two grey lines the scale is even, beyond them each step is ten times the one before: so you see millimetres and metres in one picture. **The second picture** is the baseline from above, each second a dot; the grey line is where the length is right. At rest (29) has nothing to move: the green line lies on the blue dots.
     """)
     return
 
@@ -215,7 +215,7 @@ def _(lesson, prediction):
 
     In words: how large is the innovation, measured in sigmas of what the filter expects, squared and summed up? With [$k$](/notation#k) measurements it is [$k$](/notation#k) in the mean and its variance is $2k$, if all is well. Here $k$ is 13: for one second anything from 5 to 25 is usual. The mean of 100 seconds is ten times as sharp (question 9).
 
-    **The first picture**, from above: the innovations of the carriers, one of them with the band that the filter expects; the NIS of carriers and codes, with its running mean; the error of the heading with the filter's two sigma; when it was fixed and held. **The second picture**: how often each NIS occurs, beside what is promised; and first fixes.
+    **The first picture**, from above: the innovations of the carriers, one of them with the band that the filter expects; the NIS of carriers and codes, with its mean over the last 20 seconds; the error of the heading with the filter's two sigma; when it was fixed and held. **The second picture**: how often each NIS occurs, beside what is promised; and first fixes.
     """)
     return
 
@@ -277,11 +277,11 @@ def _(lesson, prediction):
 
     Because the carrier's error is not white. Reflections make half a centimetre and last for a minute. In an innovation you see only what changed since the last second. In the heading you see all of it.
 
-    1. Press **White noise, and told so**. Here all that the filter was told is true: NIS runs within its bounds, and 95 % of the headings lie within two sigma.
+    1. Press **White noise, and told so**. Here all that the filter was told is true: NIS runs within its bounds, and 97 % of the headings lie within two sigma, where 95 % are promised.
     2. Press **Averaged, and deceived**. The filter was told that the car hardly moves, so it averages over minutes. Reflections that last do not average out. Its sigma shrinks, its error does not. And the NIS is *still* too small: what it warns of is the opposite.
     3. Press **Too sure**. The carrier is believed to 1.5 mm. NIS is seven times too large, the first fix takes two minutes, and two of three headings lie outside of two sigma.
     4. Press **RTKLIB's noise settings**. Codes are believed to 0.4 m, as for a good antenna. A test that throws out what is improbable would throw out five seconds of six, and nothing is wrong with them. **Learn the noise from the data, or say it yourself.**
-    5. Press **Without the hold**. After each loss of lock the whole numbers must be found anew, from a carrier whose reflections pull the float ambiguities away, and mostly they are not: 23 % are fixed. Now press **Held, and wrong**. The first guess is held at once; it is wrong and stays. The hold is what makes this filter work, and what makes its mistakes last.
+    5. Press **Without the hold**. The whole numbers must be found anew each second, while reflections slowly pull the float ambiguities away. At 228 s the ratio falls below 3, long before lock is lost, and it never comes back: 23 % are fixed. Now press **Held, and wrong**. The first guess is held at once; it is wrong and stays. The hold is what makes this filter work, and what makes its mistakes last.
     6. Press **A slip nobody flags**, and see how loud the innovation says it. Press **Time to first fix**: twenty starts from cold, three ways. Half of them are fixed after 44 s with no length, after 44 s with the row, and at once with the length in the search.
     """)
     return
@@ -400,7 +400,7 @@ def _(lesson, prediction):
 
     Two receivers, two clocks. Each measures when *its* clock says that the second is full. If one is late by [$\Delta t$](/notation#Delta) and the car drives at [$v$](/notation#v), the master has moved on by $v\,\Delta t$ when the rover measures.
 
-    **The first picture** has heading, pitch and heading rate, **the second** the way. All satellites of GPS and Galileo on one frequency, the length in the search.
+    **The first picture** has the errors of heading and pitch, and the heading rate; **the second** has the way. All satellites of GPS and Galileo on one frequency, the length in the search.
     """)
     return
 
@@ -463,7 +463,7 @@ def _(lesson, prediction):
     1. Press **50 ms apart, across**. The antennas stand across the roof, and the car drives 75 cm in that time. All seconds are fixed, *all with the right whole numbers for a baseline that never was*, and the heading is tens of degrees off. Switch **Correct the master's position (29)** on.
     2. Press **50 ms apart, along**. Now the error goes into the length, and the heading hardly notices.
     3. Press **50 ms apart, length known**. No vector has the right length, so nothing is fixed. A known length is also a guard.
-    4. Press **A second apart, corrected**. The velocity comes from the Dopplers and is good to some centimetres a second. A second of it makes centimetres, and degrees. A correction is as good as its velocity.
+    4. Press **A second apart, corrected**. The velocity comes from the Dopplers and is good to some centimetres a second. A second of it makes centimetres, and degrees: three of four seconds are more than 5 cm off and so count as wrong. A correction is as good as its velocity.
     5. Press **30 cm**: three times the error, as the beam is three times shorter.
     6. Press **Between houses**: 58 % of the seconds are fixed, none wrong. Then **Between houses, GPS alone**, without the length: 8 %, and most of these are wrong.
     """)
@@ -847,7 +847,7 @@ def _(mo):
     mo.md(r"""
     ## What can go wrong
 
-    * **A length that is not the one.** It goes from phase centre to phase centre, not from housing to housing. Five centimetres off, and the search finds nothing or, in a filter, something wrong.
+    * **A length that is not the one.** It goes from phase centre to phase centre, not from housing to housing. Five centimetres off, and no single epoch is fixed. Ten too short, and even the search in a filter fixes all epochs wrong.
     * **A row too early.** It makes the length right at a wrong place, and the filter sure of it. Look at the fix rate with and without the length. It must never fall.
     * **The hold.** It carries right whole numbers over gaps, and wrong ones as well. Let it wait, and let the innovations speak: a hold that is wrong shows in the NIS at once.
     * **Noise settings of another receiver.** Too small, and good measurements are thrown out. Too large, and nothing is fixed. Learn them from the data.
