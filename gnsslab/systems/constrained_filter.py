@@ -58,7 +58,7 @@ class FilterRun(NamedTuple):
 
     baseline_float: np.ndarray  # (T, 3) [m]
     Q_float: np.ndarray  # (T, 3, 3) [m^2]
-    baseline_fixed: np.ndarray  # (T, 3) [m], given the best integers
+    baseline_fixed: np.ndarray  # (T, 3) [m], given the best integers; NaN where nothing could be searched
     Q_fixed: np.ndarray  # (T, 3, 3) [m^2]
     velocity: np.ndarray  # (T, 3) [m/s], NaN where the path has none
     ratio: np.ndarray  # (T,) second best over best squared norm, 0 where nothing could be searched
@@ -181,6 +181,7 @@ def _filter_run(rows, innovations, block, channels):
     b_float, Q_float, b_fixed, Q_fixed, velocity, *numbers = np.split(rows, [3, 12, 15, 24, *range(27, _RESULTS)], axis=1)
     ratio, is_fixed, is_held, row_state, *others = (column[:, 0] for column in numbers)
     square = (T, 3, 3)
+    b_fixed[ratio == 0], Q_fixed[ratio == 0] = np.nan, np.nan
     return FilterRun(
         b_float, Q_float.reshape(square), b_fixed, Q_fixed.reshape(square), velocity, ratio, is_fixed > 0, is_held > 0,
         row_state.astype(np.int8), *others, np.full(T, d), *spread,
@@ -254,6 +255,7 @@ def _copy_innovation(C, W, out):
 def _fix(x, P, p, pairs, options, memory, row):
     """Search the integers, write the fixed baseline to the row, and hold integers found some times in a row, in place."""
     if len(pairs) == 0:
+        memory[0] = 0.0
         return
     known = options[_LENGTH] if options[_USE] == IN_SEARCH else 0.0
     candidates, norms, nodes, status = search_integers(x, P, p, pairs, known, options[_LENGTH_SIGMA], _NODE_LIMIT)

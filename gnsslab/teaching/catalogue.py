@@ -125,7 +125,8 @@ LESSONS = (
         "05",
         "05_the_known_length.py",
         "The known length",
-        "Two cheap receivers on a car's roof, and a tape measure. The length makes neither angle sharper, yet it finds the whole numbers at once: if it is put in the right place.",
+        "Two cheap receivers on a car's roof, and a tape measure. The length makes neither angle sharper, "
+        "yet it finds the whole numbers at once: if it is put in the right place.",
         90,
         "lesson 04; what a Kalman filter is for",
         (
