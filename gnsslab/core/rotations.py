@@ -84,6 +84,15 @@ def heading_pitch_of(vector_enu):
     return Direction(_to_circle(np.arctan2(e, n)) + unknown, np.arctan2(u, np.hypot(e, n)) + unknown)
 
 
+def within_half_turn(angle):
+    """Return angles (...) [rad] less whole turns, in [-pi, pi): how far one heading is from another.
+
+    >>> within_half_turn(np.array([3.5, -0.5])).round(4).tolist()
+    [-2.7832, -0.5]
+    """
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
 def _to_circle(angle):
     """Bring angles (...) [rad] into [0, 2 pi); a tiny negative angle would otherwise round up to 2 pi itself."""
     turned = np.mod(angle, 2 * np.pi)

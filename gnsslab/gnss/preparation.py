@@ -37,6 +37,22 @@ class Settings:
     longest_age: float = 0.0  # [s] of a master epoch that serves a later epoch of the rover; 0: common epochs only
     position_correction: bool = True  # of a moving master, for the time between the receivers' measurements (paper A, equation 29)
 
+    def __post_init__(self):
+        for claim, sentence in _claims(self):
+            if not claim:
+                raise ValueError(sentence)
+
+
+def _claims(settings):
+    """Yield what must be true of Settings, and the sentence to say where it is not."""
+    yield settings.frequencies in (1, 2, 3), f"frequencies is how many bands of each system are used, 1, 2 or 3; it is {settings.frequencies!r}"
+    is_text = isinstance(settings.signals, str)
+    yield not is_text, f'signals are RINEX names one by one, such as ("C1C", "C2W"); they are the text {settings.signals!r}'
+    yield 0 <= settings.mask_deg < 90, f"mask_deg is an elevation from 0 to below 90 degrees; it is {settings.mask_deg!r}"
+    yield 0 < settings.acceleration < np.inf, f"acceleration is that of the rover, above 0 m/s^2 per sqrt(Hz); it is {settings.acceleration!r}"
+    yield settings.acceptance >= 0, f"acceptance is the c of the ratio's threshold 1 + c / n, 0 or more; it is {settings.acceptance!r}"
+    yield 0 <= settings.longest_age < np.inf, f"longest_age is 0 s or more of a master's epoch; it is {settings.longest_age!r}"
+
 
 class Prepared(NamedTuple):
     """T common epochs of two receivers, ready for a filter."""

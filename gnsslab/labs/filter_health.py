@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtr, chdtri
 
-from gnsslab.core.rotations import heading_pitch_of
+from gnsslab.core.rotations import heading_pitch_of, within_half_turn
 from gnsslab.gnss.preparation import prepare_moving
 from gnsslab.labs.campaigns import no_answer
 from gnsslab.labs.controls import Choice, Slider, Switch
@@ -303,7 +303,7 @@ def _health(trial, belief, use):
 def _angle_errors(baseline, truth):
     """Return the errors (T, 2) [rad] of heading and pitch, those of heading within half a turn."""
     heading, pitch = np.array(heading_pitch_of(baseline)) - heading_pitch_of(truth)
-    return np.stack([(heading + np.pi) % (2 * np.pi) - np.pi, pitch], axis=-1)
+    return np.stack([within_half_turn(heading), pitch], axis=-1)
 
 
 def nis_bounds(freedom, count):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.core.rotations import heading_pitch_of
+from gnsslab.core.rotations import heading_pitch_of, within_half_turn
 from gnsslab.gnss.moving_base import at_rover_instants
 from gnsslab.gnss.preparation import Prepared, prepare_moving
 from gnsslab.simulate import Gap, Slip, draw, find_preset, idealise, instants, observe_drawn, prepare_geometry, true_motion, with_length
@@ -143,7 +143,7 @@ def _solution(run, truth, length, printed):
     true_heading, true_pitch = heading_pitch_of(truth)
     return Solution(
         baseline=run.baseline, length=np.linalg.norm(run.baseline, axis=-1),
-        heading_error=np.degrees((heading - true_heading + np.pi) % (2 * np.pi) - np.pi), pitch_error=np.degrees(pitch - true_pitch),
+        heading_error=np.degrees(within_half_turn(heading - true_heading)), pitch_error=np.degrees(pitch - true_pitch),
         sigma_heading=np.degrees(sigma_heading), sigma_pitch=np.degrees(sigma_pitch), is_fixed=run.is_fixed,
     )  # fmt: skip
 

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gnsslab.core.rotations import heading_pitch_of
+from gnsslab.core.rotations import heading_pitch_of, within_half_turn
 from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.relative import Status
 from gnsslab.labs.campaigns import no_answer
@@ -134,15 +134,6 @@ class PlatformsResult:
     def is_wrong(self):
         """Which of them are wrong, (T,) bool."""
         return self.is_fixed & (np.linalg.norm(self.attitude.baseline_enu - self.journey.baseline_enu, axis=1) > WRONG)
-
-
-def within_half_turn(angle):
-    """Return angles [rad] less whole turns, in [-pi, pi).
-
-    >>> within_half_turn(np.array([3.5])).round(4).tolist()
-    [-2.7832]
-    """
-    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 class PlatformsEngine:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gnsslab.core.rotations import heading_pitch_of, rotation_from_heading_pitch_roll
+from gnsslab.core.rotations import heading_pitch_of, rotation_from_heading_pitch_roll, within_half_turn
 from gnsslab.labs.controls import Choice, Slider
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.systems.dual_antenna import angle_sigmas
@@ -108,7 +108,7 @@ def compute(**settings):
         _formulas(heading_pitch_of, beam, angle_sigmas(beam, np.diag(sigma_enu**2)), headings, pitches),
         headings,
         pitches,
-        drawn_heading=(np.degrees(drawn.heading - heading) + 180) % 360 - 180,
+        drawn_heading=np.degrees(within_half_turn(drawn.heading - heading)),
         drawn_pitch=np.degrees(drawn.pitch - pitch),
     )
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gnsslab.core.rotations import heading_pitch_of
+from gnsslab.core.rotations import heading_pitch_of, within_half_turn
 from gnsslab.gnss.frames import enu_rotation_at
 from gnsslab.systems.dual_antenna import A_STATIC, angle_sigmas, with_known_length
 from gnsslab.systems.printed_attitude import heading_as_printed, pitch_as_printed, sigma_heading_as_printed, sigma_pitch_as_printed
@@ -81,4 +81,4 @@ def _sigmas_as_printed():
 
 def _deg(angle):
     """Return an angle [rad] in degrees, from -180 to 180."""
-    return float(np.degrees((angle + np.pi) % (2 * np.pi) - np.pi))
+    return float(np.degrees(within_half_turn(angle)))

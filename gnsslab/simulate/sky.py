@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gnsslab.core.rotations import within_half_turn
 from gnsslab.gnss.ephemerides import ARRAY_FIELDS, Ephemerides
 from gnsslab.gnss.orbits import EARTH_RATE, GEO_SATELLITES, GEO_TILT, GRAVITATION
 from gnsslab.gnss.times import BDT_BEHIND_GPS, add_seconds, gps_time, seconds_between, week_and_tow
@@ -156,7 +157,7 @@ def _data_sets(orbit, rank, start, stop):
     seconds = seconds_between(toe, week_start)
     columns = {name: np.zeros(len(toe)) for name in ARRAY_FIELDS} | _shape(orbit, rank) | _labels(orbit.satellite, toe)
     columns |= _clock(orbit, rank, seconds)
-    columns["m0"] = _wrapped(orbit.m0 + orbit.n * seconds)
+    columns["m0"] = within_half_turn(orbit.m0 + orbit.n * seconds)
     columns |= _tilted_plane(orbit, seconds, toe) if orbit.satellite in GEO_SATELLITES else _plane(orbit, rank, seconds, toe)
     return {name: _thirteen_digits(np.broadcast_to(value, (len(toe), *np.shape(value)[1:]))) for name, value in columns.items()}
 
@@ -186,7 +187,7 @@ def _shape(orbit, rank):
     amplitude = 0.0 if orbit.satellite in GEO_SATELLITES else 1.0  # in the tilted frame the argument of latitude changes with toe
     sizes = {"cuc": 3e-6, "cus": 8e-6, "crc": 220.0, "crs": 60.0, "cic": 1e-7, "cis": 1e-7}
     harmonics = {name: amplitude * size * _spread(rank, 6 + j) for j, (name, size) in enumerate(sizes.items())}
-    return {"sqrt_a": np.sqrt(a), "e": orbit.e, "delta_n": delta_n, "omega": _wrapped(orbit.omega)} | harmonics
+    return {"sqrt_a": np.sqrt(a), "e": orbit.e, "delta_n": delta_n, "omega": within_half_turn(orbit.omega)} | harmonics
 
 
 def _clock(orbit, rank, seconds):
@@ -201,7 +202,7 @@ def _plane(orbit, rank, seconds, toe):
     """Return the orbit's plane as broadcast: the node refers to Greenwich at the start of the week (of the system) in which toe lies."""
     rate, idot = EARTH_RATE[orbit.satellite[0]], 2e-10 * _spread(rank, 15)
     omega0 = orbit.node + orbit.node_rate * seconds - rate * seconds + rate * _own_tow(orbit.satellite, toe)
-    return {"omega0": _wrapped(omega0), "omega_dot": orbit.node_rate, "i0": orbit.i + idot * seconds, "idot": idot}
+    return {"omega0": within_half_turn(omega0), "omega_dot": orbit.node_rate, "i0": orbit.i + idot * seconds, "idot": idot}
 
 
 def _tilted_plane(orbit, seconds, toe):
@@ -217,7 +218,7 @@ def _tilted_plane(orbit, seconds, toe):
     node = np.arctan2(R[:, 0, 2], -R[:, 1, 2])
     i0 = np.arctan2(np.hypot(R[:, 0, 2], R[:, 1, 2]), R[:, 2, 2])
     omega = np.arctan2(R[:, 2, 0], R[:, 2, 1])
-    return {"omega0": _wrapped(node + rate * _own_tow("C", toe)), "i0": i0, "omega": omega}
+    return {"omega0": within_half_turn(node + rate * _own_tow("C", toe)), "i0": i0, "omega": omega}
 
 
 def _own_tow(satellite, toe):
@@ -232,10 +233,6 @@ def _turn_x(angle):
 def _turn_z(angle):
     c, s, one = np.cos(angle), np.sin(angle), np.ones_like(angle)
     return np.stack([np.stack([c, -s, 0 * one], -1), np.stack([s, c, 0 * one], -1), np.stack([0 * one, 0 * one, one], -1)], -2)
-
-
-def _wrapped(angle):
-    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def _thirteen_digits(values):

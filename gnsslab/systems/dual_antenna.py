@@ -14,6 +14,7 @@ from gnsslab.gnss.relative import Status, solve_moving
 from gnsslab.gnss.weighting import NoiseModel
 from gnsslab.systems.constrained_filter import FilterSettings
 from gnsslab.systems.length_check import checked_by_length
+from gnsslab.systems.length_row import SURE
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,7 @@ def with_known_length(baseline, Q, length, length_sigma):
         H = baseline / norm
         QH = np.einsum("...ij,...j->...i", Q, H)
         gain = QH / (np.einsum("...i,...i->...", H, QH) + length_sigma**2)[..., None]
-        sure = np.trace(Q, axis1=-2, axis2=-1) / 3 < (0.1 * length) ** 2
+        sure = np.trace(Q, axis1=-2, axis2=-1) / 3 < (SURE * length) ** 2
     updated = baseline + gain * (length - norm)
     Q_updated = Q - gain[..., None] * QH[..., None, :]
     return np.where(sure[..., None], updated, baseline), np.where(sure[..., None, None], Q_updated, Q)

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gnsslab.core.rotations import within_half_turn
 from gnsslab.gnss.relative import Status
 from gnsslab.gnss.times import seconds_between, usual_step
 from gnsslab.gnss.weighting import NoiseModel
@@ -36,7 +37,7 @@ def heading_rate(attitude, noise=None):
     """
     noise = noise or NoiseModel()
     dt, before = _steps(attitude.time), slice(None, -1)
-    turned = (np.diff(attitude.heading) + np.pi) % (2 * np.pi) - np.pi
+    turned = within_half_turn(np.diff(attitude.heading))
     both_fixed = (attitude.status[1:] == Status.FIXED) & (attitude.status[before] == Status.FIXED)
     rho = np.where(both_fixed, noise.correlated_share * np.exp(-dt / noise.correlation_time), 0.0)
     sigma, sigma_before = attitude.sigma_heading[1:], attitude.sigma_heading[before]

@@ -13,7 +13,7 @@ from gnsslab.core.jit import kernel, matrix, vector
 from gnsslab.core.kalman import add_multiple, update
 from gnsslab.core.sphere import principal_axes, sphere_kernel
 
-_SURE = 0.1  # of the length: a baseline with a larger sigma is no place to linearise the length at (RTKLIB's guard)
+SURE = 0.1  # of the length: a baseline with a larger sigma is no place to linearise the length at (RTKLIB's guard)
 
 
 class LengthUse(IntEnum):
@@ -48,7 +48,7 @@ def update_by_length(x, P, length, sigma, use):
     variance, h, b = sigma**2, vector(3), vector(3)
     for axis in range(3):
         b[axis] = x[axis]
-    if use == _GUARDED and P[0][0] + P[1][1] + P[2][2] > 3.0 * (_SURE * length) ** 2:
+    if use == _GUARDED and P[0][0] + P[1][1] + P[2][2] > 3.0 * (SURE * length) ** 2:
         return _DROPPED, math.nan, math.nan
     if use == _ITERATED:
         _go_to_most_likely(x, P, b, length, variance)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from gnsslab.core.rotations import heading_pitch_of, heading_pitch_roll, rotation_from_heading_pitch_roll
+from gnsslab.core.rotations import heading_pitch_of, heading_pitch_roll, rotation_from_heading_pitch_roll, within_half_turn
 
 ROUNDING = 1e-13
 DEG = np.pi / 180
@@ -92,3 +92,8 @@ def test_wrong_shapes_are_explained():
         heading_pitch_of([1.0, 2.0])
     with pytest.raises(ValueError, match=r"R_nb must have shape \(\.\.\., 3, 3\)"):
         heading_pitch_roll(np.eye(2))
+
+
+def test_angles_within_half_a_turn():
+    np.testing.assert_allclose(within_half_turn(np.radians([190.0, -190.0, 10.0, 720.0])), np.radians([-170.0, 170.0, 10.0, 0.0]), atol=1e-12)
+    assert within_half_turn(np.pi) == -np.pi

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from gnsslab.labs.platforms import platforms_lab, within_half_turn
+from gnsslab.labs.platforms import platforms_lab
 
 LAB = platforms_lab()
 
@@ -98,7 +98,3 @@ def test_goals_can_be_reached_and_are_not_given():
         assert judge(run())[0] is False
         result = run(**settings)
         assert judge(result)[0] is True
-
-
-def test_angles_within_half_a_turn():
-    np.testing.assert_allclose(within_half_turn(np.radians([190.0, -190.0, 10.0, 720.0])), np.radians([-170.0, 170.0, 10.0, 0.0]), atol=1e-12)

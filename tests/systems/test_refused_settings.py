@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gnsslab.gnss.preparation import prepare_moving
+from gnsslab.gnss.preparation import Settings, prepare_moving
 from gnsslab.gnss.selection import keep_epochs
 from gnsslab.simulate import find_preset, simulate
 from gnsslab.systems.constrained_filter import FilterSettings, run_filter, steady_path
@@ -32,6 +32,23 @@ def prepared(simulation):
 def test_heading_refuses(simulation, given, words):
     with pytest.raises(ValueError, match=words):
         dual_antenna_attitude(*simulation.observations, simulation.ephemerides, **given)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"mask_deg": 95.0}, "from 0 to below 90 degrees; it is 95.0"),
+        ({"mask_deg": np.nan}, "from 0 to below 90 degrees; it is nan"),
+        ({"frequencies": 1.5}, "1, 2 or 3; it is 1.5"),
+        ({"signals": "C1C"}, "they are the text 'C1C'"),
+        ({"acceleration": np.nan}, "it is nan"),
+        ({"acceptance": -1.0}, "0 or more; it is -1.0"),
+        ({"longest_age": -1.0}, "0 s or more of a master's epoch; it is -1.0"),
+    ],
+)
+def test_settings_that_mean_nothing(given, words):
+    with pytest.raises(ValueError, match=words):
+        Settings(**given)
 
 
 def test_receivers_without_epochs_are_said_to_have_none(simulation):
