@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from xdist.scheduler import LoadFileScheduling
 
 import gnsslab
 from gnsslab.data import Dataset, DataUnavailable, fetch, find_dataset
@@ -76,7 +77,18 @@ def missing(reason):
 
 
 def pytest_collection_modifyitems(items):
-    """Tests of one file run in one process, in their order; those with a browser all in one, as each needs the cores for itself."""
-    for item in items:
-        item.add_marker(pytest.mark.xdist_group("browser" if "browser" in item.path.parts else str(item.path)))
-    items.sort(key=lambda item: "browser" in item.path.parts)
+    """Browser tests come first: they take longest, and in one process."""
+    items.sort(key=lambda item: "browser" not in item.path.parts)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give whole files to the processes that run tests side by side, and all browser tests to one of them."""
+    return _FilesAtOnce(config, log)
+
+
+class _FilesAtOnce(LoadFileScheduling):
+    """Hands out files, in their order; those with a browser as one."""
+
+    def _split_scope(self, nodeid):
+        return "browser" if nodeid.startswith("tests/browser/") else super()._split_scope(nodeid)

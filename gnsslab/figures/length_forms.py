@@ -87,7 +87,7 @@ class _Bars:
         self.intervals.set_data(np.ravel(spans), np.repeat([self.rows[name] for name in NAMES], 3))
         self.chosen.set_y(self.rows[result.settings["form"]])
         for name, run in result.runs.items():
-            texts = (f"{percent(run.right.rate)} %", f"{percent(run.wrong.rate)} %", _row_words(run))
+            texts = (_short(run.right.rate), _short(run.wrong.rate), _row_words(run))
             for column, text in zip(self.columns, texts, strict=True):
                 column[name].set_text(text)
 
@@ -191,7 +191,12 @@ def describe_forms(result):
 
 def _row_words(run):
     """Return at which share of the epochs the row was dropped; nothing where there is no row."""
-    return f"{percent(run.dropped)} %" if (run.row_state != RowState.NONE).any() else ""
+    return _short(run.dropped) if (run.row_state != RowState.NONE).any() else ""
+
+
+def _short(share):
+    """Return a share in per cent with one digit, which is what a column has room for and some hundred epochs can tell."""
+    return f"{round(100 * share)} %" if share in (0, 1) else f"{100 * share:.1f} %"
 
 
 def _set_span(axes, result):

@@ -84,7 +84,7 @@ class Choice:
         1
         """
         for value in self.options.values():
-            if text == str(value):
+            if text in (str(value), f"{value:g}" if isinstance(value, float) else ""):
                 return value
         return self.check(text)
 
