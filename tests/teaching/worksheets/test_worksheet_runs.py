@@ -2,9 +2,8 @@
 
 import os
 import subprocess
-import time
 import sys
-from time import monotonic
+from time import monotonic, sleep
 
 import pytest
 
@@ -96,7 +95,7 @@ def test_a_cell_that_writes_messages_of_its_own_is_left_out(line):
     assert (forger.answer, forger.problem) == ("", "it ended the process")
 
 
-@pytest.mark.parametrize("source", ["while True: pass", DEAF, "while True: print('x' * 10_000)", "import time\ntime.sleep(3600)"])
+@pytest.mark.parametrize("source", ["while True: pass", DEAF, "while True: print('x' * 10_000)", "import time\nsleep(3600)"])
 def test_an_endless_cell_is_stopped_and_the_others_go_on(source):
     before, endless = outcomes("answer = 1", source, seconds=SECONDS)
     assert before.answer == "1.0"
@@ -121,10 +120,10 @@ def test_nothing_is_left_running():
     (forked,) = outcomes("import ctypes\nanswer = ctypes.CDLL(None).fork()\nif answer == 0:\n    while True: pass")
     child = int(float(forked.answer))
     assert child > 1
-    deadline = time.monotonic() + 30
+    deadline = monotonic() + 30
     while _state(child) not in ("", "Z"):  # gone, or dead and not yet collected; on a busy machine a killed process needs its turn to die
-        assert time.monotonic() < deadline, "the fork is still running"
-        time.sleep(0.05)
+        assert monotonic() < deadline, "the fork is still running"
+        sleep(0.05)
 
 
 def _state(process):
