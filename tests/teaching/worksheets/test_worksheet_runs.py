@@ -95,7 +95,7 @@ def test_a_cell_that_writes_messages_of_its_own_is_left_out(line):
     assert (forger.answer, forger.problem) == ("", "it ended the process")
 
 
-@pytest.mark.parametrize("source", ["while True: pass", DEAF, "while True: print('x' * 10_000)", "import time\nsleep(3600)"])
+@pytest.mark.parametrize("source", ["while True: pass", DEAF, "while True: print('x' * 10_000)", "import time\ntime.sleep(3600)"])
 def test_an_endless_cell_is_stopped_and_the_others_go_on(source):
     before, endless = outcomes("answer = 1", source, seconds=SECONDS)
     assert before.answer == "1.0"
