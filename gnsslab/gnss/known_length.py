@@ -18,7 +18,7 @@ from gnsslab.gnss.judging import believed_by_odds, believed_by_ratio, variance_f
 
 NOVELTY_TIME = 20.0  # [s], for which a measurement is no news, at least: with the length there is no need to hurry, and hurry makes wrong fixes
 _MOST = 0.5  # share of epochs
-_PRIOR_FREEDOM = 10.0  # what is assumed of the codes; seven recordings differ from it by factors of 0.3 to 2, so it deserves little
+_PRIOR_FREEDOM = 10.0  # what is assumed of the codes; four recordings, three simulations are 0.3 to 2 times that, so it counts for little
 
 
 def cautious(noise):

@@ -10,6 +10,7 @@ from gnsslab.gnss.frames import enu_rotation
 from gnsslab.gnss.relative import Status
 from gnsslab.labs.campaigns import no_answer
 from gnsslab.labs.controls import Choice, Slider, Switch
+from gnsslab.labs.filter_modes import rms
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.simulate import Clock, draw, find_preset, idealise, instants, observe_drawn, prepare_geometry, with_length
 from gnsslab.simulate.simulation import true_motion
@@ -223,8 +224,7 @@ def _share(claims):
 
 def _rms_deg(errors):
     """Return the root mean square [deg] of errors [rad], NaN where there are none."""
-    errors = errors[np.isfinite(errors)]
-    return float(np.degrees(np.sqrt(np.mean(errors**2)))) if errors.size else np.nan
+    return float(np.degrees(rms(errors)))
 
 
 def _solved(result):
