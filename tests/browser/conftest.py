@@ -18,13 +18,13 @@ FLAGS = (  # noqa: SIM905 - one line a flag reads no better
 START_SECONDS = 60  # for the server to say where it is, on a busy machine
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def progress_folder(tmp_path_factory):
     """Where the served course keeps its user's answers."""
     return tmp_path_factory.mktemp("progress")
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def course(tmp_path_factory, progress_folder):
     """Address of a course served by `gnsslab course` in a process of its own, from a folder that is not the project's."""
     process = subprocess.Popen(
@@ -62,11 +62,11 @@ def _address(lines):
             return said[-1].split("the course is at ")[1].split()[0]
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def chromium():
     """Debian's chromium, driven by playwright; skips with the reason, fails under GNSSLAB_REQUIRE_ALL=1.
 
-    It ends with the last browser test: its event loop would be in the way of tests that need their own.
+    It ends with its file: its event loop would be in the way of tests that need their own.
     """
     path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if path is None:

@@ -5,6 +5,7 @@ import re
 import time
 
 import pytest
+from stages import stage
 
 from gnsslab.labs.controls import Slider
 from gnsslab.teaching.catalogue import LESSONS
@@ -30,17 +31,13 @@ def open_lesson(visit):
         page = visit(lesson.address + query, **how)
         page.get_by_role("heading", name=lesson.title).wait_for(timeout=PATIENCE)
         page.get_by_text("Choose an answer above to open the lab").first.wait_for(timeout=PATIENCE)
-        assert _stage(page, next(iter(lesson.open_labs()))).locator(".gl-pictures").count() == 0
+        assert stage(page, next(iter(lesson.open_labs()))).locator(".gl-pictures").count() == 0
         page.get_by_role("radio", name=lesson.exercises.PREDICTION.options[-1], exact=True).click(timeout=PATIENCE)
         for name in lesson.open_labs():
-            _stage(page, name).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+            stage(page, name).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
         return page
 
     return opened
-
-
-def _stage(page, lab):
-    return page.locator(f'.gl-stage[data-lab="{lab}"]')
 
 
 @each_lesson
@@ -53,7 +50,7 @@ def test_nothing_overflows_the_theme_is_followed_and_pictures_have_words(open_le
         assert page.evaluate("document.documentElement.scrollWidth") <= width, (width, scheme)
         assert page.evaluate(WIDEST) <= width, (width, scheme)
     for name, lab in lesson.open_labs().items():
-        first, *others = [picture.get_attribute("alt") for picture in _stage(page, name).locator(".gl-pictures img").all()]
+        first, *others = [picture.get_attribute("alt") for picture in stage(page, name).locator(".gl-pictures img").all()]
         assert len(others) == len(lab.drawings()) - 1
         assert first == lab.describe(lab.run())
         assert not any(others)  # the first has the words for all
@@ -66,7 +63,7 @@ def test_each_slider_changes_what_its_lab_shows(open_lesson, dataset, lesson):
     page = open_lesson(lesson, START.get(lesson.number, ""))
     for name, lab in lesson.open_labs().items():
         if any(control.more for control in lab.controls):
-            _stage(page, name).get_by_text("more", exact=True).click()
+            stage(page, name).get_by_text("more", exact=True).click()
         untouched = {other: _shown(page, other) for other in lesson.open_labs() if other != name}
         blocked = lab.blocked(lab.settings())
         for control in lab.controls:
@@ -84,7 +81,7 @@ def _press_preset(page, lab, preset):
 
 
 def _press_to_both_ends(page, lab, control, is_blocked):
-    slider = _stage(page, lab).get_by_role("slider", name=re.compile(f"^{re.escape(control.label)}")).first
+    slider = stage(page, lab).get_by_role("slider", name=re.compile(f"^{re.escape(control.label)}")).first
     assert (slider.get_attribute("data-disabled") is not None) == is_blocked, f"{lab}: {control.name}"
     if is_blocked:
         return

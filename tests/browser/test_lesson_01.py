@@ -4,6 +4,7 @@ import re
 import time
 
 import pytest
+from stages import readouts, stage
 
 from gnsslab.teaching.catalogue import find_lesson
 
@@ -19,19 +20,10 @@ def lesson(visit):
         page = visit(path, **how)
         page.get_by_role("radio", name="100 times or more").click(timeout=PATIENCE)
         for lab in LABS:
-            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
         return page
 
     return open_lesson
-
-
-def _stage(page, lab):
-    """The parts of the page that belong to one lab."""
-    return page.locator(f'.gl-stage[data-lab="{lab}"]')
-
-
-def _readouts(page, lab):
-    return _stage(page, lab).locator(".gl-readouts").inner_text()
 
 
 def _shown(page, lab):
@@ -53,7 +45,7 @@ def _await_change(page, lab, before):
 
 
 def _slider(page, lab, name):
-    return _stage(page, lab).get_by_role("slider", name=name)
+    return stage(page, lab).get_by_role("slider", name=name)
 
 
 def test_a_slip_by_button(lesson):
@@ -61,26 +53,26 @@ def test_a_slip_by_button(lesson):
     before = _shown(page, "signal")
     page.get_by_role("button", name="Cycle slip", exact=True).click()
     _await_change(page, "signal", before)
-    assert re.search(r"Slip\s+found", _readouts(page, "signal"))
+    assert re.search(r"Slip\s+found", readouts(page, "signal"))
     page.get_by_text(LABS["signal"].preset("cycle-slip").look_at).wait_for(timeout=PATIENCE)
     assert float(_slider(page, "signal", "Cycle slip on L1").get_attribute("aria-valuenow")) == 5
 
 
 def test_a_slip_by_link(lesson):
     page = lesson("/lesson/01/?preset=cycle-slip")
-    assert re.search(r"Slip\s+found", _readouts(page, "signal"))
+    assert re.search(r"Slip\s+found", readouts(page, "signal"))
     page.get_by_text(LABS["signal"].preset("cycle-slip").look_at).wait_for(timeout=PATIENCE)
 
 
 def test_a_preset_of_the_second_lab_by_link_leaves_the_first_alone(lesson):
     page = lesson("/lesson/01/?lab=sky&preset=noon")
     page.get_by_text(LABS["sky"].preset("noon").look_at).wait_for(timeout=PATIENCE)
-    assert re.search(r"Slip\s+none", _readouts(page, "signal"))
+    assert re.search(r"Slip\s+none", readouts(page, "signal"))
 
 
 def test_a_hidden_slip_reaches_the_goal(lesson):
     page = lesson("/lesson/01/?lab=signal&slip_cycles=1&slip_second=1&elevation_deg=15")
-    assert re.search(r"Slip\s+missed", _readouts(page, "signal"))
+    assert re.search(r"Slip\s+missed", readouts(page, "signal"))
     page.locator(".gl-reached").get_by_text("a slip of 1 cycle is missed").wait_for(timeout=PATIENCE)
 
 
@@ -88,19 +80,19 @@ def test_a_hidden_slip_reaches_the_goal(lesson):
 def test_the_data_that_travel_along(lesson, lab):
     page = lesson()
     before = _shown(page, lab)
-    _stage(page, lab).get_by_role("combobox", name="Data").select_option(label="GEONET")
+    stage(page, lab).get_by_role("combobox", name="Data").select_option(label="GEONET")
     _await_change(page, lab, before)
     assert _slider(page, lab, "Multipath").get_attribute("data-disabled") is not None
-    assert _stage(page, lab).get_by_text("no effect: real data are as they are").first.is_visible()
+    assert stage(page, lab).get_by_text("no effect: real data are as they are").first.is_visible()
 
 
 def test_real_roof(lesson, dataset):
     dataset("matrtklib-static")
     page = lesson()
     before = _shown(page, "signal")
-    _stage(page, "signal").get_by_role("combobox", name="Data").select_option(label="real roof")
+    stage(page, "signal").get_by_role("combobox", name="Data").select_option(label="real roof")
     _await_change(page, "signal", before)
-    assert "G20 at 49 deg" in _readouts(page, "signal")
+    assert "G20 at 49 deg" in readouts(page, "signal")
 
 
 def test_own_files_by_upload(lesson, tmp_path):
@@ -111,13 +103,13 @@ def test_own_files_by_upload(lesson, tmp_path):
     write_simulation(tmp_path, simulate(find_preset("static-baseline"), np.random.default_rng(3)))
     page = lesson()
     for lab in LABS:
-        stage = _stage(page, lab)
-        stage.get_by_role("combobox", name="Data").select_option(label="my files")
-        stage.get_by_text("your observation and navigation files are missing").wait_for(timeout=PATIENCE)
+        part = stage(page, lab)
+        part.get_by_role("combobox", name="Data").select_option(label="my files")
+        part.get_by_text("your observation and navigation files are missing").wait_for(timeout=PATIENCE)
         for number, name in enumerate(("rover.obs", "broadcast.nav")):
-            stage.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
+            part.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
             page.wait_for_timeout(1500)
-        stage.locator(".gl-readouts").wait_for(timeout=PATIENCE)
+        part.locator(".gl-readouts").wait_for(timeout=PATIENCE)
 
 
 def test_a_wrong_answer_and_a_right_one(lesson):

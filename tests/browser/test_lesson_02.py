@@ -1,8 +1,7 @@
 """Lesson 02 in a real browser, through the real server: two labs on one page."""
 
-import time
-
 import pytest
+from stages import await_change, readouts, stage
 
 PATIENCE = 60_000  # [ms], the very first load compiles kernels
 LABS = ("cancelling", "correlation")
@@ -16,67 +15,51 @@ def lesson(visit):
         page = visit(f"/lesson/02/{query}", **how)
         page.get_by_role("radio", name="decimetres").click(timeout=PATIENCE)
         for lab in LABS:
-            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
         return page
 
     return open_lesson
 
 
-def _stage(page, lab):
-    return page.locator(f'.gl-stage[data-lab="{lab}"]')
-
-
-def _readouts(page, lab):
-    return _stage(page, lab).locator(".gl-readouts").inner_text()
-
-
-def _await_change(page, lab, before):
-    deadline = time.monotonic() + PATIENCE / 1000
-    while _readouts(page, lab) == before:
-        assert time.monotonic() < deadline, "nothing changed"
-        page.wait_for_timeout(20)
-    return _readouts(page, lab)
-
-
 def test_a_preset_by_its_button(lesson):
     page = lesson()
-    before, other = _readouts(page, "cancelling"), _readouts(page, "correlation")
+    before, other = readouts(page, "cancelling"), readouts(page, "correlation")
     page.get_by_role("button", name="A millisecond off").click()
-    assert "299 km" in _await_change(page, "cancelling", before)
+    assert "299 km" in await_change(page, "cancelling", before, PATIENCE)
     page.locator(".gl-look").get_by_text("the double difference does not care").wait_for()
-    assert _readouts(page, "correlation") == other
+    assert readouts(page, "correlation") == other
 
 
 def test_a_preset_by_link(lesson):
     page = lesson("?preset=ignored")
     page.get_by_text("the ratios fall, and up scatters more than the solver admits").wait_for(timeout=PATIENCE)
-    assert "claimed 5.4 mm" in _readouts(page, "correlation")
+    assert "claimed 5.4 mm" in readouts(page, "correlation")
 
 
 def test_real_data_in_both_labs(lesson, dataset):
     dataset("geonet-0759-3040")
     page = lesson()
     for lab, words, blocked in (("cancelling", "61649713", "Baseline length"), ("correlation", "Right integers", "Code noise")):
-        before = _readouts(page, lab)
-        _stage(page, lab).get_by_role("radio", name="real pair").click()
-        assert words in _await_change(page, lab, before)
-        assert _stage(page, lab).get_by_role("slider", name=blocked).get_attribute("data-disabled") is not None
-        _stage(page, lab).get_by_text("no effect: real data are as they are").first.wait_for()
+        before = readouts(page, lab)
+        stage(page, lab).get_by_role("radio", name="real pair").click()
+        assert words in await_change(page, lab, before, PATIENCE)
+        assert stage(page, lab).get_by_role("slider", name=blocked).get_attribute("data-disabled") is not None
+        stage(page, lab).get_by_text("no effect: real data are as they are").first.wait_for()
 
 
 def test_perfect_clocks_switch_off_what_has_no_effect(lesson):
     page = lesson()
-    before = _readouts(page, "cancelling")
-    _stage(page, "cancelling").get_by_role("radio", name="all perfect").click()
-    _await_change(page, "cancelling", before)
-    _stage(page, "cancelling").get_by_text("no effect: all clocks are perfect").first.wait_for(timeout=PATIENCE)
+    before = readouts(page, "cancelling")
+    stage(page, "cancelling").get_by_role("radio", name="all perfect").click()
+    await_change(page, "cancelling", before, PATIENCE)
+    stage(page, "cancelling").get_by_text("no effect: all clocks are perfect").first.wait_for(timeout=PATIENCE)
 
 
 def test_the_printed_error_is_switched_in(lesson):
     page = lesson()
-    before = _readouts(page, "correlation")
-    _stage(page, "correlation").get_by_role("combobox", name="The solver believes").select_option(label="as printed: 2 V")
-    after = _await_change(page, "correlation", before)
+    before = readouts(page, "correlation")
+    stage(page, "correlation").get_by_role("combobox", name="The solver believes").select_option(label="as printed: 2 V")
+    after = await_change(page, "correlation", before, PATIENCE)
     assert "claimed 8.9 mm" in after
     assert "3.63" in before
     assert "3.63" in after  # the ratio does not move

@@ -3,6 +3,7 @@
 import time
 
 import pytest
+from stages import readouts, stage
 
 PATIENCE = 60_000  # [ms], the very first load compiles kernels
 LABS = ("centimetres", "cells", "spectrum")
@@ -16,18 +17,10 @@ def lesson(visit):
         page = visit(f"/lesson/03/{query}", **how)
         page.get_by_role("radio", name="ten times").click(timeout=PATIENCE)
         for lab in LABS:
-            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
         return page
 
     return open_lesson
-
-
-def _stage(page, lab):
-    return page.locator(f'.gl-stage[data-lab="{lab}"]')
-
-
-def _readouts(page, lab):
-    return _stage(page, lab).locator(".gl-readouts").inner_text()
 
 
 def _await_change(page, lab, before):
@@ -56,38 +49,38 @@ def test_a_preset_by_its_button(lesson):
 def test_a_preset_by_link(lesson):
     page = lesson("?preset=thirty")
     page.get_by_text("two nodes for each ambiguity").first.wait_for(timeout=PATIENCE)
-    assert "of 30 ambiguities" in _readouts(page, "spectrum")
-    assert "stopped at 500" in _readouts(page, "spectrum")
+    assert "of 30 ambiguities" in readouts(page, "spectrum")
+    assert "stopped at 500" in readouts(page, "spectrum")
 
 
 def test_decorrelation_goes_off(lesson):
     page = lesson()
     before = _shown(page, "spectrum")
-    _stage(page, "spectrum").get_by_role("switch", name="Decorrelation").click()
+    stage(page, "spectrum").get_by_role("switch", name="Decorrelation").click()
     assert "decorrelation is off" in _await_change(page, "spectrum", before)
 
 
 def test_the_winner_changes_with_the_float_point(lesson):
     page = lesson()
     before = _shown(page, "cells")
-    assert "wrong" in _readouts(page, "cells")
+    assert "wrong" in readouts(page, "cells")
     page.get_by_role("button", name="All agree").click()
     _await_change(page, "cells", before)
-    assert "wrong" not in _readouts(page, "cells")
+    assert "wrong" not in readouts(page, "cells")
 
 
 def test_real_data(lesson, dataset):
     dataset("geonet-0759-3040")
     page = lesson()
     before = _shown(page, "centimetres")
-    _stage(page, "centimetres").get_by_role("radio", name="real pair").click()
+    stage(page, "centimetres").get_by_role("radio", name="real pair").click()
     assert "120 positions on the map" in _await_change(page, "centimetres", before)
-    _stage(page, "centimetres").get_by_text("no effect: real data are as they are").first.wait_for(state="attached")
+    stage(page, "centimetres").get_by_text("no effect: real data are as they are").first.wait_for(state="attached")
 
 
 def test_printed_errors_are_switched_in(lesson):
     page = lesson()
-    belief = _stage(page, "centimetres").get_by_role("combobox", name="The solver believes")
+    belief = stage(page, "centimetres").get_by_role("combobox", name="The solver believes")
     for label, words in (("as printed: code 3 cm", "promised: 100.0 %"), ("diagonal alone", "2.492"), ("as printed: carrier alone", "13 unknowns")):
         before = _shown(page, "centimetres")
         belief.select_option(label=label)

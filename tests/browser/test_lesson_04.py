@@ -1,8 +1,7 @@
 """Lesson 04 in a real browser, through the real server: four labs on one page."""
 
-import time
-
 import pytest
+from stages import await_change, readouts, stage
 
 PATIENCE = 90_000  # [ms], the very first load compiles kernels
 LABS = ("trust", "soft-fixing", "known-length", "fewer-satellites")
@@ -16,84 +15,68 @@ def lesson(visit):
         page = visit(f"/lesson/04/{query}", **how)
         page.get_by_role("radio", name="four", exact=True).click(timeout=PATIENCE)
         for lab in LABS:
-            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
         return page
 
     return open_lesson
 
 
-def _stage(page, lab):
-    return page.locator(f'.gl-stage[data-lab="{lab}"]')
-
-
-def _readouts(page, lab):
-    return _stage(page, lab).locator(".gl-readouts").inner_text()
-
-
-def _await_change(page, lab, before):
-    deadline = time.monotonic() + PATIENCE / 1000
-    while _readouts(page, lab) == before:
-        assert time.monotonic() < deadline, "nothing changed"
-        page.wait_for_timeout(20)
-    return _readouts(page, lab)
-
-
 def test_the_stairs_have_a_slider_of_their_own(lesson):
     """It moves no readout: the picture and its words change."""
     page = lesson()
-    picture = _stage(page, "soft-fixing").locator(".gl-pictures img").first
-    _stage(page, "soft-fixing").get_by_role("slider", name="Sigma of one ambiguity").press("End")
+    picture = stage(page, "soft-fixing").locator(".gl-pictures img").first
+    stage(page, "soft-fixing").get_by_role("slider", name="Sigma of one ambiguity").press("End")
     page.locator('.gl-stage[data-lab="soft-fixing"] .gl-pictures img[alt*="sigma 0.80 cycles"]').wait_for(timeout=PATIENCE)
     assert "best equivariant" in picture.get_attribute("alt")
 
 
 def test_presets_by_their_buttons_leave_the_other_labs_alone(lesson):
     page = lesson()
-    others = {lab: _readouts(page, lab) for lab in LABS if lab != "trust"}
-    before = _readouts(page, "trust")
+    others = {lab: readouts(page, lab) for lab in LABS if lab != "trust"}
+    before = readouts(page, "trust")
     page.get_by_role("button", name="Multipath", exact=True).click()
-    assert "55.7" in _await_change(page, "trust", before)
-    assert {lab: _readouts(page, lab) for lab in others} == others
+    assert "55.7" in await_change(page, "trust", before, PATIENCE)
+    assert {lab: readouts(page, lab) for lab in others} == others
 
 
 def test_a_preset_by_link(lesson):
     page = lesson("?preset=trees")
     page.get_by_text("One noisy satellite, and").wait_for(timeout=PATIENCE)
-    assert "13 of 14" in _readouts(page, "soft-fixing")
+    assert "13 of 14" in readouts(page, "soft-fixing")
 
 
 def test_the_fixed_failure_rate_switches_the_threshold_off(lesson):
     page = lesson()
-    before = _readouts(page, "trust")
-    _stage(page, "trust").get_by_role("combobox", name="Test").select_option(label="fixed failure rate")
-    assert "threshold 1.54" in _await_change(page, "trust", before)
-    _stage(page, "trust").get_by_text("no effect: the tolerated failures set the threshold").wait_for(timeout=PATIENCE)
+    before = readouts(page, "trust")
+    stage(page, "trust").get_by_role("combobox", name="Test").select_option(label="fixed failure rate")
+    assert "threshold 1.54" in await_change(page, "trust", before, PATIENCE)
+    stage(page, "trust").get_by_text("no effect: the tolerated failures set the threshold").wait_for(timeout=PATIENCE)
 
 
 def test_the_printed_error_is_switched_in(lesson):
     page = lesson()
-    before = _readouts(page, "trust")
-    _stage(page, "trust").get_by_text("more", exact=True).click()
-    _stage(page, "trust").get_by_role("radio", name="upside down").click()
-    after = _await_change(page, "trust", before)
+    before = readouts(page, "trust")
+    stage(page, "trust").get_by_text("more", exact=True).click()
+    stage(page, "trust").get_by_role("radio", name="upside down").click()
+    after = await_change(page, "trust", before, PATIENCE)
     assert "59.9" in after
     assert "6.4" in after
 
 
 def test_the_length_is_used_once_and_twice(lesson):
     page = lesson()
-    before = _readouts(page, "known-length")
+    before = readouts(page, "known-length")
     assert "96.0" in before
-    _stage(page, "known-length").get_by_role("combobox", name="Length goes into").select_option(label="row and search: twice")
-    assert "22.0" in _await_change(page, "known-length", before)
+    stage(page, "known-length").get_by_role("combobox", name="Length goes into").select_option(label="row and search: twice")
+    assert "22.0" in await_change(page, "known-length", before, PATIENCE)
 
 
 def test_real_epochs_break_with_five_satellites(lesson, dataset):
     dataset("matrtklib-static")
     page = lesson()
-    before = _readouts(page, "fewer-satellites")
-    _stage(page, "fewer-satellites").get_by_role("slider", name="Satellites left").press("ArrowLeft")
-    assert "25.7" in _await_change(page, "fewer-satellites", before)
+    before = readouts(page, "fewer-satellites")
+    stage(page, "fewer-satellites").get_by_role("slider", name="Satellites left").press("ArrowLeft")
+    assert "25.7" in await_change(page, "fewer-satellites", before, PATIENCE)
 
 
 def test_a_wrong_and_a_right_answer_get_the_right_word(lesson):
@@ -118,4 +101,4 @@ def test_pictures_have_words(lesson):
         ("known-length", "map"),
         ("fewer-satellites", "satellites"),
     ):
-        assert words in _stage(page, lab).locator(".gl-pictures img").first.get_attribute("alt")
+        assert words in stage(page, lab).locator(".gl-pictures img").first.get_attribute("alt")

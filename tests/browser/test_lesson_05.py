@@ -1,8 +1,7 @@
 """Lesson 05 in a real browser, through the real server: what only this lesson has."""
 
-import time
-
 import pytest
+from stages import await_change, readouts, stage
 
 PATIENCE = 90_000  # [ms], the very first load compiles kernels
 LABS = ("three-filters", "filter-health", "length-forms", "platforms")
@@ -16,60 +15,44 @@ def lesson(visit):
         page = visit(f"/lesson/05/{query}", **how)
         page.get_by_role("radio", name="both", exact=True).click(timeout=PATIENCE)
         for lab in LABS:
-            _stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
         return page
 
     return open_lesson
 
 
-def _stage(page, lab):
-    return page.locator(f'.gl-stage[data-lab="{lab}"]')
-
-
-def _readouts(page, lab):
-    return _stage(page, lab).locator(".gl-readouts").inner_text()
-
-
-def _await_change(page, lab, before):
-    deadline = time.monotonic() + PATIENCE / 1000
-    while _readouts(page, lab) == before:
-        assert time.monotonic() < deadline, "nothing changed"
-        page.wait_for_timeout(20)
-    return _readouts(page, lab)
-
-
 def test_a_preset_by_its_button_leaves_the_other_labs_alone(lesson):
     page = lesson()
-    others = {lab: _readouts(page, lab) for lab in LABS if lab != "three-filters"}
-    before = _readouts(page, "three-filters")
+    others = {lab: readouts(page, lab) for lab in LABS if lab != "three-filters"}
+    before = readouts(page, "three-filters")
     page.get_by_role("button", name="Row as printed", exact=True).click()
-    after = _await_change(page, "three-filters", before)
+    after = await_change(page, "three-filters", before, PATIENCE)
     assert "5.46" in after
-    assert {lab: _readouts(page, lab) for lab in others} == others
+    assert {lab: readouts(page, lab) for lab in others} == others
 
 
 def test_a_printed_error_is_switched_in(lesson):
     page = lesson()
-    before = _readouts(page, "three-filters")
-    _stage(page, "three-filters").get_by_role("combobox", name="Formula as printed").select_option(label="(25) prediction")
-    assert "0.02" in _await_change(page, "three-filters", before)
+    before = readouts(page, "three-filters")
+    stage(page, "three-filters").get_by_role("combobox", name="Formula as printed").select_option(label="(25) prediction")
+    assert "0.02" in await_change(page, "three-filters", before, PATIENCE)
 
 
 def test_the_length_moves_from_the_row_to_the_search(lesson, dataset):
     dataset("matrtklib-static")
     page = lesson()
-    before = _readouts(page, "length-forms")
+    before = readouts(page, "length-forms")
     assert "0.0" in before
-    _stage(page, "length-forms").get_by_role("combobox", name="Shown over time").select_option(label="search")
-    assert "100.0" in _await_change(page, "length-forms", before)
+    stage(page, "length-forms").get_by_role("combobox", name="Shown over time").select_option(label="search")
+    assert "100.0" in await_change(page, "length-forms", before, PATIENCE)
 
 
 def test_the_position_correction_is_switched_on(lesson):
     page = lesson("?preset=offset")
-    before = _readouts(page, "platforms")
+    before = readouts(page, "platforms")
     assert "250 wrong" in before
-    _stage(page, "platforms").get_by_text("Correct the master's position").click()
-    assert "none wrong" in _await_change(page, "platforms", before)
+    stage(page, "platforms").get_by_text("Correct the master's position").click()
+    assert "none wrong" in await_change(page, "platforms", before, PATIENCE)
 
 
 def test_a_wrong_and_a_right_answer_get_the_right_word(lesson):
