@@ -43,6 +43,8 @@ _HOME_OF = {
     "fix_subset": "gnsslab.core.integers",
     "given_combinations": "gnsslab.core.integers",
     "best_integer_equivariant": "gnsslab.core.integers",
+    "igg3_weight": "gnsslab.core.robust",
+    "huber_weight": "gnsslab.core.robust",
     "plot_attitude": "gnsslab.figures.attitude",
 }
 
