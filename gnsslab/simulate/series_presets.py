@@ -63,10 +63,10 @@ class SeriesPreset:
 
     def __post_init__(self):
         if self.interval <= 0 or self.epochs < 1:
-            raise ValueError(f"preset {self.name!r}: a series needs an interval above zero and an epoch; they are {self.interval} s and {self.epochs}")
+            raise ValueError(f"preset {self.name!r}: expected an interval above zero and an epoch or more, not {self.interval} s and {self.epochs}")
         for shift in self.shifts:
             if not 0 <= shift.first <= shift.last < self.epochs:
-                raise ValueError(f"preset {self.name!r}: a shift lies within epochs 0 to {self.epochs - 1}; one goes from {shift.first} to {shift.last}")
+                raise ValueError(f"preset {self.name!r}: a shift from {shift.first} to {shift.last} is not within epochs 0 to {self.epochs - 1}")
 
     @property
     def time(self):

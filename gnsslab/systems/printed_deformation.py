@@ -4,7 +4,7 @@ import numpy as np
 
 
 def normal_matrix_as_printed(Q_1, Q_2):
-    """Return A'PA (6, 6) of equation (11) for positions with covariances Q_1, Q_2 (3, 3): its rank is 3, so (12) asks for an inverse that is not there.
+    """Return A'PA (6, 6) of equation (11) for positions with covariances Q_1, Q_2 (3, 3): its rank is 3, so that (12) has no inverse.
 
     A = [-I I] says that two positions differ by nothing; both may still move together. P is taken as (Q_1 + Q_2)^-1: the printed one, 6 x 6,
     cannot be multiplied with A.
