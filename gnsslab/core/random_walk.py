@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gnsslab.core.columns import columns, measurements, uncolumns
 from gnsslab.core.jit import kernel, kernel_input, matrix
 from gnsslab.core.robust import Weight, equivalent_weight
 
@@ -48,12 +49,12 @@ def random_walk_filter(z, q, r, weight=None):
     >>> walk.level.ravel().tolist(), walk.variance.ravel().tolist(), walk.weight.ravel().tolist()
     ([0.0, 1.0, 1.0], [2.0, 2.0, 4.0], [1.0, 1.0, 0.0])
     """
-    z, weight = _measurements(z), _weight(weight)
-    columns, q, r = _columns(z), _per_column(q, z, "q"), _per_column(r, z, "r")
+    z, weight = measurements(z), _weight(weight)
+    q, r = _per_column(q, z, "q"), _per_column(r, z, "r")
     if (r == 0).any():
         raise ValueError("r, the variance of a measurement, must be above zero")
-    arrays = _filter(kernel_input(columns), kernel_input(q), kernel_input(r), *weight.thresholds)
-    return RandomWalk(*(_uncolumns(array, z) for array in arrays))
+    arrays = _filter(kernel_input(columns(z)), kernel_input(q), kernel_input(r), *weight.thresholds)
+    return RandomWalk(*(uncolumns(array, z) for array in arrays))
 
 
 def random_walk_smoother(filtered, q):
@@ -68,19 +69,9 @@ def random_walk_smoother(filtered, q):
     >>> level.ravel().tolist(), variance.ravel().tolist()
     ([0.5, 1.0], [1.5, 2.0])
     """
-    level, variance = (_columns(array) for array in (filtered.level, filtered.variance))
+    level, variance = (columns(array) for array in (filtered.level, filtered.variance))
     q = _per_column(q, filtered.level, "q")
-    return tuple(_uncolumns(array, filtered.level) for array in _smooth(kernel_input(level), kernel_input(variance), kernel_input(q)))
-
-
-def _measurements(z):
-    """Return z as an array (..., T, d) of numbers and NaN."""
-    z = np.asarray(z, dtype=np.float64)
-    if z.ndim < 2:
-        raise ValueError(f"z must have a row for each epoch and a column for each axis, (T, d); got shape {z.shape}: for one axis write z[:, None]")
-    if np.isinf(z).any():
-        raise ValueError("z must be finite, or NaN where nothing was measured; there is an infinite value")
-    return z
+    return tuple(uncolumns(array, filtered.level) for array in _smooth(kernel_input(level), kernel_input(variance), kernel_input(q)))
 
 
 def _weight(weight):
@@ -91,19 +82,8 @@ def _weight(weight):
     return weight
 
 
-def _columns(z):
-    """Return z (..., T, d) as (T, columns): a column for each axis of each series."""
-    return np.moveaxis(z, -2, 0).reshape(z.shape[-2], -1)
-
-
-def _uncolumns(columns, z):
-    """Return (T, columns) in the shape of z (..., T, d)."""
-    shape = (z.shape[-2], *z.shape[:-2], z.shape[-1])
-    return np.moveaxis(np.asarray(columns).reshape(shape), 0, -2)
-
-
 def _per_column(value, z, name):
-    """Return q or r for each column of `_columns`."""
+    """Return q or r for each column of `columns`."""
     value = np.asarray(value, dtype=np.float64)
     if value.ndim > 1 or (value.ndim == 1 and value.shape != z.shape[-1:]):
         raise ValueError(f"{name} must be one number or one per axis, ({z.shape[-1]},); got shape {value.shape}")
