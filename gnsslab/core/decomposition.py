@@ -17,10 +17,11 @@ FEWEST_EPOCHS = 5  # three extrema within
 def eemd_wavelet(z, rng, trials=25, noise=0.2, shrunk=3, scale=1.0, progress=None):
     """Return z (..., T, d) without what is small in its fastest oscillations.
 
-        z - sum over j < shrunk of (c_j - soft(c_j, limit_j)),  limit_j = scale median |c_j| / 0.6745 sqrt(2 ln T)
+        sum over j < shrunk of soft(c_j, limit_j) + sum of the slower c_j,  limit_j = scale median |c_j| / 0.6745 sqrt(2 ln T)
 
     c_j: mean over `trials` of the j-th intrinsic mode function (IMF) of z + white noise of `noise` times the standard deviation of z,
-    each axis for itself. Noise comes from `rng`, a `numpy.random.Generator`. `progress(done, all)` is told after each trial.
+    each axis for itself. (EMD-signal's own ensemble multiplies the range of z instead: 13 to 20 times as much noise where z has gross
+    errors of some sigma.) Noise comes from `rng`, a `numpy.random.Generator`; `progress(done, all)` is told after each trial.
     A constant axis stays as it is. Raises ValueError for NaN, and for fewer than 5 epochs.
 
     Sources: Wu and Huang (2009), Advances in Adaptive Data Analysis 1:1-41; thresholds of IMFs: Kopsinis and McLaughlin (2009),
@@ -41,24 +42,26 @@ def eemd_wavelet(z, rng, trials=25, noise=0.2, shrunk=3, scale=1.0, progress=Non
     return uncolumns(np.transpose([_without_noise(part, rng, trials, noise, shrunk, scale, report) for part in parts]), z)
 
 
-def fastest_modes(y, rng, trials, noise, count, report):
-    """Return the first `count` ensemble IMFs (count, T) of y (T,), which has a standard deviation near 1; zeros where there are fewer."""
-    emd, total = _sifter(), np.zeros((count, len(y)))
-    for _ in range(trials):
-        emd.emd(y + noise * rng.standard_normal(len(y)), max_imf=count)
-        total[: len(emd.imfs)] += emd.imfs
-        report()
-    return total / trials
-
-
 def _without_noise(y, rng, trials, noise, shrunk, scale, report):
     """Return y (T,) without what is small in its fastest oscillations, sifted in units of its sigma: EMD-signal stops at fixed sizes."""
     unit, mean = np.std(y), np.mean(y)
     if unit <= 1e-12 * abs(mean):  # rounding
         return y.copy()
-    modes = fastest_modes((y - mean) / unit, rng, trials, noise, shrunk, report)
+    modes, whole = _fastest_modes((y - mean) / unit, rng, trials, noise, shrunk, report)
     small = modes - soft(modes, scale * universal_limit(modes, len(y), axis=-1))
-    return y - unit * small.sum(axis=0)
+    return mean + unit * (whole - small.sum(axis=0))
+
+
+def _fastest_modes(y, rng, trials, noise, count, report):
+    """Return the first `count` ensemble IMFs (count, T) of y (T,), zeros where there are fewer, and the sum (T,) of all."""
+    emd, modes, whole = _sifter(), np.zeros((count, len(y))), np.zeros(len(y))
+    for _ in range(trials):
+        noisy = y + noise * rng.standard_normal(len(y))
+        emd.emd(noisy, max_imf=count)
+        modes[: len(emd.imfs)] += emd.imfs
+        whole += noisy
+        report()
+    return modes / trials, whole / trials
 
 
 def _sifter():
