@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import NamedTuple
 
-PIECE = 4_000_000  # [characters] of one piece: some 30 000 rows, long enough for speed, small beside the numbers of a million
+PIECE = 1_000_000  # [characters] of one piece: some 10 000 rows, long enough for speed, small beside the numbers of a million
 HEAD = 200  # lines looked at to find out what stands where
 
 _GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"

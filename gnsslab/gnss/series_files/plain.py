@@ -65,16 +65,16 @@ def find_table(path, head, columns=None, unit=None):
     first = is_data.index(True) if True in is_data else len(head.texts)
     if first == len(head.texts):
         raise SeriesError(path, "a header but no rows; expected one row an epoch")
-    row, header = _fields(head.texts[first], separator), _fields(head.texts[first - 1].lstrip("#% "), separator) if first else []
-    joins_date = separator is None and bool(re.match(r"\d{1,2}:\d\d", row[1] if len(row) > 1 else "")) and not _has_clock_column(header, columns)
-    width = len(row) - joins_date
+    row, header = _fields(head.texts[first], separator), _header(head.texts[first - 1], separator) if first else []
+    joins_date = separator is None and bool(re.match(r"\d{1,2}:\d\d", row[1] if len(row) > 1 else "")) and not _has_date_column(header, columns)
+    width = _width([text for text, data in zip(head.texts, is_data, strict=True) if data], separator, len(header)) - joins_date
     names = _names(path, head.numbers[first], columns, header, width)
     column, units = _quantities(path, head.numbers[max(first - 1, 0)], names)
     table = Table(
         separator,
         separator != "," and any(re.search(r"\d,\d", text) for text in head.texts[first:]),
         joins_date,
-        head.numbers[first - 1] if first else 0,
+        head.numbers[first] - 1,
         width,
         column,
         _factors(path, column, units, unit),
@@ -105,9 +105,20 @@ def _is_data(text, separator):
     return like > 0 and 2 * (len(fields) - len(given) + like) >= len(fields) and len(fields) > 1
 
 
-def _has_clock_column(header, columns):
+def _header(text, separator):
+    """Return the names in the line above the first row; none where it is a comment that names no columns."""
+    names = _fields(text.lstrip("#% "), separator)
+    return names if not text.startswith(COMMENTS) or sum(meaning(name) is not None for name in names) > 1 else []
+
+
+def _has_date_column(header, columns):
     named = [meaning(name) for name in (columns.split(",") if columns else header)]
     return any(found and found.quantity == "date" for found in named)
+
+
+def _width(rows, separator, named):
+    """Return how many fields a row has: separators that end every row part nothing, empty fields at the end of some rows are fields."""
+    return max(min(named, len(rows[0].split(separator))), *(len(_fields(text, separator)) for text in rows))
 
 
 def _names(path, line, columns, header, width):
