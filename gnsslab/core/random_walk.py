@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gnsslab.core.columns import columns, measurements, uncolumns
-from gnsslab.core.jit import kernel, kernel_input, matrix
+from gnsslab.core.jit import kernel, kernel_input
 from gnsslab.core.robust import Weight, equivalent_weight
 
 
@@ -53,8 +53,9 @@ def random_walk_filter(z, q, r, weight=None):
     q, r = _per_column(q, z, "q"), _per_column(r, z, "r")
     if (r == 0).any():
         raise ValueError("r, the variance of a measurement, must be above zero")
-    arrays = _filter(kernel_input(columns(z)), kernel_input(q), kernel_input(r), *weight.thresholds)
-    return RandomWalk(*(uncolumns(array, z) for array in arrays))
+    filtered = kernel_input(np.empty((5, z.shape[-2], len(q))))  # from numpy, which asks for large pages: half of the time
+    _filter(kernel_input(columns(z)), kernel_input(q), kernel_input(r), *weight.thresholds, filtered)
+    return RandomWalk(*(uncolumns(array, z) for array in filtered))
 
 
 def random_walk_smoother(filtered, q):
@@ -69,9 +70,10 @@ def random_walk_smoother(filtered, q):
     >>> level.ravel().tolist(), variance.ravel().tolist()
     ([0.5, 1.0], [1.5, 2.0])
     """
-    level, variance = (columns(array) for array in (filtered.level, filtered.variance))
-    q = _per_column(q, filtered.level, "q")
-    return tuple(uncolumns(array, filtered.level) for array in _smooth(kernel_input(level), kernel_input(variance), kernel_input(q)))
+    level, variance, q = columns(filtered.level), columns(filtered.variance), _per_column(q, filtered.level, "q")
+    smoothed = kernel_input(np.empty((2, *level.shape)))
+    _smooth(kernel_input(level), kernel_input(variance), kernel_input(q), smoothed)
+    return tuple(uncolumns(array, filtered.level) for array in smoothed)
 
 
 def _weight(weight):
@@ -93,12 +95,11 @@ def _per_column(value, z, name):
 
 
 @kernel
-def _filter(z, q, r, full, zero, biweight, danish):
-    """Return level, variance, innovation, its sigma and weight (T, columns)."""
-    T, n = len(z), len(q)
-    level, variance, innovation, sigma, weight = matrix(T, n), matrix(T, n), matrix(T, n), matrix(T, n), matrix(T, n)
-    for k in range(T):
-        for j in range(n):  # axes within: the processor works on all of them at once
+def _filter(z, q, r, full, zero, biweight, danish, filtered):
+    """Write level, variance, innovation, its sigma and weight into filtered (5, T, columns)."""
+    level, variance, innovation, sigma, weight = filtered[0], filtered[1], filtered[2], filtered[3], filtered[4]
+    for k in range(len(z)):
+        for j in range(len(q)):  # axes within: the processor works on all of them at once
             x, P = math.nan, math.nan
             if k > 0:
                 x, P = level[k - 1][j], variance[k - 1][j] + q[j]
@@ -108,22 +109,19 @@ def _filter(z, q, r, full, zero, biweight, danish):
             if v == v:
                 eta = equivalent_weight(abs(v) / s, full, zero, biweight, danish)
             if eta > 0.0:
-                D = eta * P + r[j]  # no r / eta, which may be past all numbers
-                x, P = x + eta * P / D * v, P * r[j] / D
+                G = P / (eta * P + r[j])  # K = eta G; r / eta may be past all numbers
+                x, P = x + eta * G * v, r[j] * G
             level[k][j], variance[k][j], innovation[k][j], sigma[k][j], weight[k][j] = x, P, v, s, eta
-    return level, variance, innovation, sigma, weight
 
 
 @kernel
-def _smooth(level, variance, q):
-    """Return level and variance (T, columns) given all epochs, from those given the epochs before."""
-    T, n = len(level), len(q)
-    x, P = matrix(T, n), matrix(T, n)
-    for k in range(T - 1, -1, -1):
-        for j in range(n):
+def _smooth(level, variance, q, smoothed):
+    """Write level and variance given all epochs into smoothed (2, T, columns), from those given the epochs before."""
+    x, P = smoothed[0], smoothed[1]
+    for k in range(len(level) - 1, -1, -1):
+        for j in range(len(q)):
             x[k][j], P[k][j] = level[k][j], variance[k][j]
-            if k < T - 1 and P[k][j] > 0.0:
+            if k < len(level) - 1 and P[k][j] > 0.0:
                 C = P[k][j] / (P[k][j] + q[j])
                 x[k][j] += C * (x[k + 1][j] - level[k][j])
                 P[k][j] += C * C * (P[k + 1][j] - variance[k][j] - q[j])
-    return x, P
