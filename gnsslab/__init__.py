@@ -12,6 +12,8 @@ _HOME_OF = {
     "read_rinex_nav": "gnsslab.gnss.rinex",
     "write_rinex_obs": "gnsslab.gnss.rinex",
     "write_rinex_nav": "gnsslab.gnss.rinex",
+    "read_rtcm": "gnsslab.gnss.rtcm",
+    "RtcmError": "gnsslab.gnss.rtcm",
     "RinexError": "gnsslab.gnss.rinex",
     "Observations": "gnsslab.gnss.observations",
     "Ephemerides": "gnsslab.gnss.ephemerides",

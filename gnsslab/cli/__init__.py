@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from gnsslab.cli import answers, course, data, doctor, grade, heading, info, reproduce, rtk, simulate, worksheet
+from gnsslab.cli import answers, convert, course, data, doctor, grade, heading, info, reproduce, rtk, simulate, worksheet
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 app = typer.Typer(
@@ -24,6 +24,7 @@ app.command("grade", epilog=grade.EXAMPLE)(grade.grade)
 app.command("info", epilog=info.EXAMPLE)(info.info)
 app.command("heading", epilog=heading.EXAMPLE)(heading.heading)
 app.command("rtk", epilog=rtk.EXAMPLE)(rtk.rtk)
+app.command("convert", epilog=convert.EXAMPLE)(convert.convert)
 app.command("simulate", epilog=simulate.EXAMPLE)(simulate.simulate)
 app.command("reproduce", epilog=reproduce.EXAMPLE)(reproduce.reproduce)
 app.add_typer(data.app, name="data", epilog=data.EXAMPLE)

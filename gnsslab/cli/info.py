@@ -10,7 +10,7 @@ File = Annotated[str, typer.Argument(metavar="FILE", hidden=True)]
 
 
 def info(file: File):
-    """Say what is in a RINEX FILE: span, receiver, satellites and signals, slips, gaps."""
+    """Say what is in a RINEX FILE or an RTCM 3 log: span, receiver, satellites and signals, slips, gaps."""
     from gnsslab.cli.summaries import summary
 
     print("\n".join(summary(file)))

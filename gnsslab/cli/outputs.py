@@ -42,7 +42,7 @@ def check_folder(path):
     _try_to_write(Path(path) / ".gnsslab-can-write")
 
 
-def write_provenance(outputs, command, options, inputs=(), notes=(), method=""):
+def write_provenance(outputs, command, options, inputs=(), notes=(), method="", as_typed=AS_TYPED):
     """Write beside each output a file `OUTPUT.json`: version, command, options, the method in words if any, inputs with checksums, notes."""
     from gnsslab import __version__
 
@@ -50,7 +50,7 @@ def write_provenance(outputs, command, options, inputs=(), notes=(), method=""):
         "program": "gnsslab",
         "version": __version__,
         "command": command,
-        "options": {AS_TYPED.get(name, name.replace("_", "-")): value for name, value in options.items()},
+        "options": {as_typed.get(name, name.replace("_", "-")): value for name, value in options.items()},
         **({"method": method} if method else {}),
         "inputs": [input_record(path) for path in inputs],
         "notes": list(notes),

@@ -1,4 +1,4 @@
-"""What is in a RINEX file, in lines of text for `gnsslab info`."""
+"""What is in a RINEX file or an RTCM 3 log, in lines of text for `gnsslab info`."""
 
 import numpy as np
 
@@ -6,6 +6,7 @@ from gnsslab.gnss.observations import HALF_CYCLE, SLIP
 from gnsslab.gnss.orbits import is_healthy
 from gnsslab.gnss.rinex.errors import RinexError, quoted
 from gnsslab.gnss.rinex.text import read_bytes
+from gnsslab.gnss.rtcm import is_rtcm
 from gnsslab.gnss.signals import SYSTEM_NAMES, USED_SYSTEMS
 from gnsslab.gnss.times import iso_text
 
@@ -14,7 +15,7 @@ MEASURED = "CLDS"  # code, carrier phase, Doppler, signal strength; X (receiver 
 
 
 def summary(path):
-    """Return what is in a RINEX file as lines of text; raise RinexError where it is none that is read here."""
+    """Return what is in a RINEX file or an RTCM 3 log as lines of text; raise RinexError where it is none that is read here."""
     first_line = read_bytes(path).split(b"\n", 1)[0].decode("latin-1")
     kind = first_line[20:21] if first_line[60:].startswith("RINEX VERSION") else ""
     if kind == "O":
@@ -23,7 +24,9 @@ def summary(path):
         return navigation_summary(path, first_line[:9].strip())
     if kind:
         raise RinexError(path, f"expected RINEX observations (O) or navigation (N), found {quoted(first_line[20:40])}", line=1)
-    raise RinexError(path, f"expected a RINEX file (`RINEX VERSION / TYPE` in columns 61-80), found {quoted(first_line)}", line=1)
+    if is_rtcm(path):
+        return rtcm_summary(path)
+    raise RinexError(path, f"expected an RTCM 3 log or a RINEX file (`RINEX VERSION / TYPE` in columns 61-80), found {quoted(first_line)}", line=1)
 
 
 def observation_summary(path):
@@ -35,13 +38,33 @@ def observation_summary(path):
     return [
         f"{path}: RINEX {header.version:.2f} observations",
         f"marker       {header.marker or 'not given'}",
-        f"receiver     {header.receiver or 'not given'}",
-        f"antenna      {header.antenna or 'not given'}{_delta(header.antenna_delta_enu)}",
-        f"position     {_position(header.position_ecef)}",
+        *_station(header),
         *_epochs(observations),
+        *([f"power fails  {int(observations.power_failure.sum())}"] if len(observations.time) else []),
         *_signals(observations),
         *_listed("event", observations.events),
         *_listed("warning", observations.warnings),
+    ]
+
+
+def rtcm_summary(path):
+    """Return what is in an RTCM 3 log as lines of text."""
+    from gnsslab.gnss.rtcm import read_rtcm
+
+    log = read_rtcm(path)
+    header = log.observations.header
+    return [
+        f"{path}: RTCM 3 log",
+        f"messages     {', '.join(f'{number} ({count})' for number, count in log.messages.items())}",
+        f"station      {header.marker}",
+        *_station(header),
+        "",
+        *_epochs(log.observations),
+        *_signals(log.observations),
+        "",
+        "ephemerides",
+        *_data_sets(log.ephemerides),
+        *_listed("warning", log.warnings),
     ]
 
 
@@ -56,6 +79,14 @@ def navigation_summary(path, version):
         f"ionosphere   {', '.join(SYSTEM_NAMES.get(s, s) for s in sorted(ephemerides.ionosphere)) or 'no coefficients'}",
         f"leap seconds {'not given' if ephemerides.leap_seconds is None else ephemerides.leap_seconds}",
         *_listed("warning", ephemerides.warnings),
+    ]
+
+
+def _station(header):
+    return [
+        f"receiver     {header.receiver or 'not given'}",
+        f"antenna      {header.antenna or 'not given'}{_delta(header.antenna_delta_enu)}",
+        f"position     {_position(header.position_ecef)}",
     ]
 
 
@@ -76,7 +107,6 @@ def _epochs(observations):
         f"span         {iso_text(time[0])} to {iso_text(time[-1])} (GPS time; written in {observations.header.time_scale})",
         f"epochs       {len(time)}, one every {observations.interval:g} s",
         f"gaps         {_gaps(observations)}",
-        f"power fails  {int(observations.power_failure.sum())}",
     ]
 
 

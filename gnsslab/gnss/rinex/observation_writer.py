@@ -15,6 +15,7 @@ from gnsslab.gnss.signals import SYSTEM_NAMES
 _FLAG_TEXT = " 123456789"
 _LARGEST, _SMALLEST = 9_999_999_999.9995, -999_999_999.9995  # beyond these a number needs more than F14.3
 _BLANK_NUMBER = " " * 14
+_GZIP_LEVEL = 6  # a day of 15 s epochs in 1.2 s; level 9 takes 11 s for 4 % less
 
 
 def write_rinex_obs(path, observations):
@@ -35,7 +36,7 @@ def write_whole(path, content):
     path = Path(path)
     beside = path.with_name(f".{path.name}.{os.getpid()}.part") if path.name else path
     try:
-        beside.write_bytes(gzip.compress(content, mtime=0) if path.suffix.lower() == ".gz" else content)
+        beside.write_bytes(gzip.compress(content, _GZIP_LEVEL, mtime=0) if path.suffix.lower() == ".gz" else content)
         os.replace(beside, path)
     except (OSError, ValueError) as error:
         _remove(beside)

@@ -5,7 +5,7 @@ from importlib import import_module
 _HOME_OF = {
     "RtcmError": "errors",
     "RtcmLog": "reader",
-    "is_rtcm": "frames",
+    "is_rtcm": "reader",
     "read_rtcm": "reader",
 }
 

@@ -113,7 +113,7 @@ def _flags(message, number, kind):
         "clock_issue": getattr(message, kind.clock_issue) if kind.clock_issue else data_sources,
         "accuracy": (galileo_accuracy if kind.system == "E" else user_range_accuracy)(getattr(message, kind.accuracy)),
         "health": sum(getattr(message, name) << place for name, place in kind.health),
-        "group_delay": (delays + [0.0])[:2],
+        "group_delay": [*delays, 0.0][:2],
     }
 
 

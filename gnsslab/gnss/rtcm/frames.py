@@ -26,20 +26,11 @@ class Frames(NamedTuple):
     is_cut_off: bool  # the log ends within a frame
 
 
-def is_rtcm(content):
-    """Return whether bytes begin like an RTCM 3 log: a good frame within the first 64 kB.
-
-    >>> is_rtcm(b"dear diary")
-    False
-    """
-    return len(find_frames(content[:65536]).start) > 0
-
-
 def find_frames(content):
     """Return the `Frames` of a log's bytes.
 
-    >>> find_frames(bytes.fromhex("d300003ed300023ed0a7de7a 00")).number.tolist()
-    [1005]
+    >>> find_frames(bytes.fromhex("00 d300043ee0000030d20f")).number.tolist()
+    [1006]
     """
     octets = np.frombuffer(content, dtype=np.uint8)
     begin, end = _candidates(octets)

@@ -21,6 +21,7 @@ from gnsslab.gnss.rtcm.observed import find_observed
 from gnsslab.gnss.rtcm.station_messages import STATION_MESSAGES, station_header
 from gnsslab.gnss.rtcm.tables import observation_table
 
+_BEGINNING = 65_536  # bytes
 _GZIP = b"\x1f\x8b"
 
 
@@ -59,6 +60,11 @@ def read_rtcm(path, start=None, progress=None):
     numbers = frames.number.tolist()
     payloads = [content[a:b] for a, b in zip(frames.start.tolist(), frames.stop.tolist(), strict=True)]
     return _log(path, numbers, payloads, hint_of(path, start), progress, _frame_notes(frames))
+
+
+def is_rtcm(path):
+    """Return whether a file begins like an RTCM 3 log: a good message within its first 64 kB."""
+    return len(find_frames(_content(path)[:_BEGINNING]).start) > 0
 
 
 def _content(path):

@@ -20,7 +20,7 @@ def station_header(messages, station, glonass_channels):
     facts, notes = {}, []
     for number, payload in messages:
         message = _parsed(payload)
-        if message is not None and message.DF003 == station:
+        if message and message.DF003 == station:  # noqa: SIM300
             notes += _take(facts, number, message)
     position, height = facts.pop("position", None), facts.pop("height", 0.0)
     header = ObservationHeader(

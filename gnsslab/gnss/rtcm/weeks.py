@@ -34,6 +34,11 @@ class Hint(NamedTuple):
     label: np.datetime64  # noon of the day it was recorded, or the date of the file
     is_given: bool  # by the user
 
+    @property
+    def day(self):
+        """The date as text."""
+        return str(self.label.astype("M8[D]"))
+
 
 def is_possible(system, clock):
     """Return whether the 30 bits of a message's clock are a time.
@@ -80,7 +85,7 @@ def first_week(relative, clues, hint):
     outside = _milliseconds(hint.label)
     if hint.is_given:
         return round((outside - int(relative[0])) / WEEK), ()
-    said = f"no message says in which week the log was recorded; the date of the file serves ({hint.label.astype('M8[D]')}): where that is wrong, give --start"
+    said = f"no message says in which week the log was recorded; the date of the file serves ({hint.day}): where that is wrong, give --start"
     return (outside - int(relative.max())) // WEEK, (said,)
 
 
@@ -102,7 +107,7 @@ def whole_week(week, modulus, hint):
 
 def _contradiction(begin, hint):
     if hint.is_given and abs(begin - hint.label) > np.timedelta64(36, "h"):  # noon of the day: its hours, and a day of doubt
-        return (f"the ephemerides in the log say that it begins on {begin.astype('M8[D]')}; --start {hint.label.astype('M8[D]')} was not used",)
+        return (f"the ephemerides in the log say that it begins on {begin.astype('M8[D]')}; --start {hint.day} was not used",)
     return ()
 
 
