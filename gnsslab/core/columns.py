@@ -1,5 +1,7 @@
 """Series of measurements (..., T, d), T epochs of d axes, as columns of one matrix (T, n) and back."""
 
+import math
+
 import numpy as np
 
 
@@ -28,7 +30,7 @@ def columns(z):
     >>> columns(np.arange(8).reshape(2, 2, 2)).tolist()
     [[0, 1, 4, 5], [2, 3, 6, 7]]
     """
-    return np.moveaxis(z, -2, 0).reshape(z.shape[-2], -1)
+    return np.moveaxis(z, -2, 0).reshape(z.shape[-2], math.prod(z.shape[:-2]) * z.shape[-1])
 
 
 def uncolumns(matrix, z):
