@@ -62,7 +62,7 @@ def write_provenance(outputs, command, options, inputs=(), notes=(), method="", 
 
 def input_record(path):
     """Return what identifies an input file: its name, size [bytes] and sha256."""
-    from gnsslab.data.fetching import sha256_of
+    from gnsslab.data.checksums import sha256_of
 
     return {"file": str(path), "bytes": os.path.getsize(path), "sha256": sha256_of(path)}
 

@@ -1,8 +1,10 @@
-"""From the registry to a file on this machine: mirror, what travels with the project, cache, download; checksum each time."""
+"""From the registry to a file on this machine: mirror, cache, what travels with the project, conversion, download; checksum each time."""
 
 import gzip
-import hashlib
+import shutil
 
+from gnsslab.data.checksums import sha256_of
+from gnsslab.data.converting import is_converted, make_converted
 from gnsslab.data.locations import cache_folder, mirror_folder, project_folder
 from gnsslab.data.registry import find_dataset
 
@@ -16,7 +18,7 @@ class DataUnavailable(ValueError):
 def fetch(name, progress=None):
     """Return the folder that holds every file of a data set under its own name, downloading what is missing.
 
-    The mirror's folder where it has the set, else the user's cache. `progress(done, total)` is called with bytes.
+    The mirror's folder where it has the whole set, else the user's cache. `progress(done, total)` is called with bytes.
     Raises DataUnavailable without network and mirror, ValueError for an unknown name or a wrong checksum.
     """
     dataset = find_dataset(name)
@@ -24,7 +26,8 @@ def fetch(name, progress=None):
         return _mirror_folder_checked(dataset)
     done = 0
     for file in dataset.files:
-        dataset_path(name, file.name, _shifted(progress, done, file.size, dataset.size))
+        path = dataset_path(name, file.name, _shifted(progress, done, file.size, dataset.size))
+        _copy_into_cache(path, cache_folder() / name / file.name)
         done += file.size
     return cache_folder() / name
 
@@ -32,7 +35,8 @@ def fetch(name, progress=None):
 def dataset_path(name, file, progress=None):
     """Return the path of one file of a data set: from the mirror, the cache, the travelling set or the network, in this order.
 
-    `progress(done, total)` is called with bytes while the file is being downloaded.
+    A file that the registry says is converted from another is made from that one. `progress(done, total)` is called with
+    bytes while a file is being downloaded.
     """
     dataset = find_dataset(name)
     record = dataset.file(file)
@@ -40,9 +44,9 @@ def dataset_path(name, file, progress=None):
     if mirrored is not None:
         return _checked(mirrored, record)
     cached = cache_folder() / name / file
-    if cached.is_file() and sha256_of(cached) == record.sha256:
+    if cached.is_file() and _is_sound(cached, dataset, record):
         return cached
-    return _unpack(dataset, record, cached) or _download(dataset, record, cached, progress)
+    return _unpack(dataset, record, cached) or _convert(dataset, record, cached, progress) or _download(dataset, record, cached, progress)
 
 
 def verify(name):
@@ -52,12 +56,6 @@ def verify(name):
     """
     dataset = find_dataset(name)
     return {file.name: _state(dataset, file) for file in dataset.files}
-
-
-def sha256_of(path):
-    """Return the sha256 of a file as hexadecimal text."""
-    with open(path, "rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _mirrored(dataset, record):
@@ -82,6 +80,20 @@ def _checked(path, record):
     return path
 
 
+def _is_sound(path, dataset, record):
+    """Return whether a file of the cache is the registry's, or was made here from the registry's log."""
+    if sha256_of(path) == record.sha256:
+        return True
+    return bool(record.converted_from) and is_converted(path, dataset.file(record.converted_from).sha256)
+
+
+def _copy_into_cache(path, cached):
+    """Put a file of the mirror into the cache, where the mirror has not the whole set."""
+    if path != cached:
+        _make_folder(cached.parent)
+        shutil.copyfile(path, cached)
+
+
 def _travelling(dataset, record):
     path = project_folder("datasets") / dataset.name / f"{record.name}.gz"
     return path if path.is_file() else None
@@ -94,6 +106,15 @@ def _unpack(dataset, record, target):
     _make_folder(target.parent)
     target.write_bytes(gzip.decompress(packed.read_bytes()))
     return _checked(target, record)
+
+
+def _convert(dataset, record, target, progress):
+    if not record.converted_from:
+        return None
+    log = dataset_path(dataset.name, record.converted_from, progress)
+    _make_folder(target.parent)
+    make_converted(log, target)
+    return target
 
 
 def _download(dataset, record, target, progress):
@@ -131,12 +152,14 @@ def _make_folder(folder):
 
 
 def _state(dataset, record):
-    for path in (_mirrored(dataset, record), cache_folder() / dataset.name / record.name):
-        if path is not None and path.is_file():
-            return "ok" if sha256_of(path) == record.sha256 else f"wrong checksum: delete {path}"
+    mirrored, cached = _mirrored(dataset, record), cache_folder() / dataset.name / record.name
+    if mirrored is not None:
+        return "ok" if sha256_of(mirrored) == record.sha256 else f"wrong checksum: delete {mirrored}"
+    if cached.is_file():
+        return "ok" if _is_sound(cached, dataset, record) else f"wrong checksum: delete {cached}"
     if _travelling(dataset, record):
         return "ok"
-    return "not here yet" if record.url else "not here, no public address: needs GNSSLAB_DATA_MIRROR"
+    return "not here yet" if record.url or record.converted_from else "not here, no public address: needs GNSSLAB_DATA_MIRROR"
 
 
 def _shifted(progress, before, size, total):

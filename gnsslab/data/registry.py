@@ -19,6 +19,7 @@ class DataFile:
     sha256: str
     url: str = ""  # public address at a fixed commit
     made_from: str = ""  # how it was made, where it has no address
+    converted_from: str = ""  # name of the log of the same set from which it can be made here
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +100,7 @@ def _dataset(name, entry):
 
 
 def _data_file(name, facts):
-    return DataFile(name, facts["bytes"], facts["sha256"], facts.get("url", ""), facts.get("made_from", ""))
+    return DataFile(name, facts["bytes"], facts["sha256"], facts.get("url", ""), facts.get("made_from", ""), facts.get("converted_from", ""))
 
 
 def _base_position(entry):
