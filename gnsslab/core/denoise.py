@@ -115,13 +115,14 @@ def universal_limit(c, T, axis):
 def _window_mean(z, before, after):
     """Return the mean over epochs k - before to k + after of the numbers there, by differences of a running sum."""
     T, present = z.shape[-2], ~np.isnan(z)
-    if T == 0:
-        return z.copy()
-    first, last = np.maximum(np.arange(T) - before, 0), np.minimum(np.arange(T) + after, T - 1) + 1
-    count = _running(present, first, last)
-    origin = np.nanmedian(z, axis=-2, keepdims=True) if present.any() else 0.0  # keeps the running sum small
-    total = _running(np.where(present, z - origin, 0.0), first, last)
-    return origin + np.divide(total, count, out=np.full(z.shape, np.nan), where=count > 0)
+    first, last = np.maximum(np.arange(T) - before, 0), np.minimum(np.arange(T) + after + 1, T)
+    origin = _mean(np.sum(z, axis=-2, keepdims=True, where=present), np.count_nonzero(present, axis=-2, keepdims=True))  # keeps the sum small
+    return origin + _mean(_running(np.where(present, z - origin, 0.0), first, last), _running(present, first, last))
+
+
+def _mean(total, count):
+    """Return total / count, NaN where the count is 0."""
+    return np.divide(total, count, out=np.full(np.shape(total), np.nan), where=count > 0)
 
 
 def _running(values, first, last):

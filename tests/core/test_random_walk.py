@@ -107,10 +107,10 @@ def test_innovations_of_a_true_model_are_white_and_of_the_size_they_claim(rng):
 def test_numbers_of_paper_b_in_the_steady_state():
     """q = 0.48, r = 9.9 cm^2: P^- solves P^2 - q P - q r = 0."""
     filtered = random_walk_filter(np.zeros((300, 1)), **PAPER)
-    P = filtered.innovation_sigma[-1, 0] ** 2 - PAPER["r"]
-    assert pytest.approx((0.48 + np.sqrt(0.48**2 + 4 * 0.48 * 9.9)) / 2 * CM2) == P
-    assert P / CM2 == pytest.approx(2.433, abs=5e-4)
-    assert P / (P + PAPER["r"]) == pytest.approx(0.197, abs=5e-4)
+    predicted = (filtered.innovation_sigma[-1, 0] ** 2 - PAPER["r"]) / CM2
+    assert predicted == pytest.approx((0.48 + np.sqrt(0.48**2 + 4 * 0.48 * 9.9)) / 2)
+    assert predicted == pytest.approx(2.433, abs=5e-4)
+    assert predicted / (predicted + 9.9) == pytest.approx(0.197, abs=5e-4)
     assert 100 * 2 * filtered.innovation_sigma[-1, 0] == pytest.approx(7.02, abs=5e-3)
 
 

@@ -1,6 +1,7 @@
 """Equivalent weights: by hand, as numpy writes them, their known efficiencies, and what a bad threshold is told."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def efficiency(weight, edges):
     """Return the efficiency of the M-estimate of a mean from normal values, (E psi')^2 / E psi^2, with E psi' = E v psi (Stein)."""
 
     def expect(function):
-        return sum(quad(lambda v: function(v) * norm.pdf(v), low, high)[0] for low, high in zip(edges, edges[1:], strict=False))
+        return sum(quad(lambda v: function(v) * norm.pdf(v), low, high)[0] for low, high in pairwise(edges))
 
     return expect(lambda v: v * v * weight(v)) ** 2 / expect(lambda v: (v * weight(v)) ** 2)
 
