@@ -186,7 +186,7 @@ def test_the_same_header_again_is_no_harm_and_repeated_rows_count_once(written):
     series, notes = read_series(written([*HEAD, *ROWS, *HEAD, *ROWS]))
     assert len(series) == 6
     assert "times go backward at 1 place, first to 2024-06-24T08:20:00.000: sorted" in notes
-    assert "6 rows that repeat another row left out" in notes
+    assert "6 rows repeating another left out" in notes
     assert "12 rows give 6 epochs" in notes
 
 

@@ -106,7 +106,7 @@ def _one_a_time(rows):
     kept = np.flatnonzero(is_first)[np.cumsum(is_first) - 1]
     same = np.all((rows.enu == rows.enu[kept]) | np.isnan(rows.enu) & np.isnan(rows.enu[kept]), axis=1) & (rows.status == rows.status[kept])
     return rows.at(is_first), _said(
-        (~is_first & same, "that repeat another row left out"),
+        (~is_first & same, "repeating another left out"),
         (~is_first & ~same, "at the time of another row, but with another position or status, left out: the fixed or else the first one is kept"),
     )
 

@@ -1,6 +1,7 @@
 """Plain tables of time, east, north, up, also our own: columns found by their names, or named by the caller, or by their place."""
 
 import re
+from statistics import mode
 from typing import NamedTuple
 
 import numpy as np
@@ -67,7 +68,7 @@ def find_table(path, head, columns=None, unit=None):
         raise SeriesError(path, "a header but no rows; expected one row an epoch")
     row, header = _fields(head.texts[first], separator), _header(head.texts[first - 1], separator) if first else []
     joins_date = separator is None and bool(re.match(r"\d{1,2}:\d\d", row[1] if len(row) > 1 else "")) and not _has_date_column(header, columns)
-    width = _width([text for text, data in zip(head.texts, is_data, strict=True) if data], separator, len(header)) - joins_date
+    width = len(header) or _usual_width([text for text, data in zip(head.texts, is_data, strict=True) if data], separator) - joins_date
     names = _names(path, head.numbers[first], columns, header, width)
     column, units = _quantities(path, head.numbers[max(first - 1, 0)], names)
     table = Table(
@@ -116,9 +117,9 @@ def _has_date_column(header, columns):
     return any(found and found.quantity == "date" for found in named)
 
 
-def _width(rows, separator, named):
-    """Return how many fields a row has: separators that end every row part nothing, empty fields at the end of some rows are fields."""
-    return max(min(named, len(rows[0].split(separator))), *(len(_fields(text, separator)) for text in rows))
+def _usual_width(rows, separator):
+    """Return how many fields most rows have; a separator that ends a row parts nothing."""
+    return mode(len(_fields(text, separator)) for text in rows)
 
 
 def _names(path, line, columns, header, width):
