@@ -255,7 +255,7 @@ ROW = "2024-01-01,1,2,3"
         ([HEAD, ROW], {"unit": "mm"}, "column east is in m by its name, not in mm"),
         ([HEAD, ROW], {"columns": "time,a,b,c"}, "no column for east, north, up among 'time, a, b, c'"),
         ([HEAD, ROW], {"columns": "time,east,north,up,x"}, "5 columns are named, but a row has 4 fields"),
-        (["just one word"], {}, "a header but no rows"),
+        (["just one word"], {}, "expected rows of time, east, north, up, found .just one word"),
     ],
 )  # fmt: skip
 def test_files_that_are_wrong(table, options, words, read):

@@ -50,7 +50,7 @@ def counted(number, what):
     >>> counted(1, "row"), counted(3, "row")
     ('1 row', '3 rows')
     """
-    return f"{number} {what}{'s' * (number != 1)}"
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _with_time(rows):

@@ -65,7 +65,7 @@ def find_table(path, head, columns=None, unit=None):
     is_data = [_is_data(text, separator) for text in head.texts]
     first = is_data.index(True) if True in is_data else len(head.texts)
     if first == len(head.texts):
-        raise SeriesError(path, "a header but no rows; expected one row an epoch")
+        raise SeriesError(path, _no_rows(head.texts[-1], separator))
     row, header = _fields(head.texts[first], separator), _header(head.texts[first - 1], separator) if first else []
     joins_date = separator is None and bool(re.match(r"\d{1,2}:\d\d", row[1] if len(row) > 1 else "")) and not _has_date_column(header, columns)
     width = len(header) or _usual_width([text for text, data in zip(head.texts, is_data, strict=True) if data], separator) - joins_date
@@ -85,6 +85,12 @@ def find_table(path, head, columns=None, unit=None):
     )
     table = _with_clock(path, head.numbers[first], table, _joined_date(row) if joins_date else row)
     return table, _words(table, names, columns or header, unit)
+
+
+def _no_rows(text, separator):
+    if len(_header(text, separator)) > len(AXES):
+        return "a header but no rows; expected one row an epoch"
+    return f"expected rows of time, east, north, up, found {quoted(text)}"
 
 
 def _separator(text):
