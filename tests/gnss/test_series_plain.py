@@ -183,6 +183,17 @@ def test_every_odd_row_is_accounted_for(read):
     )
 
 
+def test_daily_series_of_a_data_centre(read):
+    """The columns of tenv3: whole metres in e0, n0, u0, the rest in east, north, up."""
+    head = "site YYMMMDD yyyy.yyyy __MJD week d reflon _e0(m) __east(m) ____n0(m) _north(m) u0(m) ____up(m) _ant(m) sig_e(m) sig_n(m) sig_u(m)"
+    rows = [f"J188 09JAN0{k} 2009.000{k} {54831 + k} 1512 {k} 140.3 -12 0.10{k} 43 0.20{k} 99 0.30{k} 0.05 0.001 0.002 0.004" for k in (2, 3)]
+    series, notes = read([head, *rows])
+    assert series.time.astype("M8[D]").astype(str).tolist() == ["2009-01-02", "2009-01-03"]
+    assert series.enu[1].tolist() == [0.103, 0.203, 0.303]
+    assert series.sigma[0].tolist() == [0.001, 0.002, 0.004]
+    assert notes == ("times taken as modified Julian dates",)
+
+
 def test_numbers_of_quality_and_spellings_of_status(read):
     rows = [f"2024-01-0{k + 1},1,2,3,{word}" for k, word in enumerate(["1", "2", "5", "Fix", "FLOAT", ""])]
     series, _ = read(["time,east_m,north_m,up_m,Q", *rows])

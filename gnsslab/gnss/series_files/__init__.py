@@ -11,7 +11,10 @@ def read_series(path, *, columns=None, unit=None, progress=None):
     Told apart by what stands in the file: RTKLIB's solution format (`read_pos`), else a table (`read_plain`, which says what `columns` and
     `unit` do). Plain or gzipped. `progress(done, total)` counts bytes. Raises OSError, or ValueError with the line's number.
     """
-    if not is_pos(path, read_head(path)):
+    head = read_head(path)
+    if head.texts[0].startswith("$G"):
+        raise SeriesError(path, "NMEA sentences; expected a table of positions, or RTKLIB's own format (out-solformat llh, xyz or enu)")
+    if not is_pos(path, head):
         series, notes = read_plain(path, columns, unit, progress)
     elif columns or unit:
         raise SeriesError(path, "RTKLIB's format states its own columns and units: leave --columns and --unit out")

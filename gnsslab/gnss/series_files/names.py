@@ -48,7 +48,7 @@ def meaning(name):
     >>> meaning("dE (mm)"), meaning("sigma_up_m").quantity, meaning("satellites")
     (Meaning(quantity='east', unit='mm'), 'sigma_up', None)
     """
-    words = re.findall(r"[a-z]+", name.lower())
+    words = re.findall(r"[a-z]+\d*", name.lower())
     if " ".join(words) in _OTHER_OF:
         return Meaning(_OTHER_OF[" ".join(words)], "")
     unit = _UNIT_WORDS[words.pop()] if len(words) > 1 and words[-1] in _UNIT_WORDS else ""

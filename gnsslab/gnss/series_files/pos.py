@@ -13,6 +13,7 @@ from gnsslab.gnss.series_files.gathering import NO_ROWS, Rows, counted, gathered
 from gnsslab.gnss.series_files.lines import SeriesError, read_head, read_pieces
 from gnsslab.gnss.series_files.numbers import numbers, split_rows
 
+ENDINGS = (".pos", ".llh", ".xyz", ".enu")  # the last three from receivers that run RTKLIB, often without a header
 QUALITIES = {1: "fixed", 2: "float", 3: "SBAS", 4: "DGPS", 5: "single", 6: "PPP", 7: "dead reckoning"}
 STATUS_OF_QUALITY = np.array([Status.NONE, Status.FIXED, *(Status.FLOAT,) * 6], dtype=np.int8)
 SPREADS = 6  # three standard deviations and three signed roots of covariances
@@ -42,7 +43,7 @@ class Form(NamedTuple):
 
 def is_pos(path, head):
     """Return whether a file is RTKLIB's: by its header of columns, or by its name."""
-    return any(_COLUMNS.match(text) for text in head.texts) or str(path).lower().removesuffix(".gz").endswith(".pos")
+    return any(_COLUMNS.match(text) for text in head.texts) or str(path).lower().removesuffix(".gz").endswith(ENDINGS)
 
 
 def read_pos(path, progress=None):
@@ -76,8 +77,6 @@ def find_form(path, head):
     first = next((text for text in head.texts if not text.startswith("%")), None)
     if first is None:
         raise SeriesError(path, "a header but no rows; the solution has no epochs")
-    if first.startswith("$"):
-        raise SeriesError(path, "NMEA sentences; expected RTKLIB's own format (out-solformat llh, xyz or enu)")
     form = _form_of_row(first, path, head.numbers[head.texts.index(first)])
     header = [text for text in head.texts if text.startswith("%")]
     columns = next((found for text in header if (found := _COLUMNS.match(text))), None)
