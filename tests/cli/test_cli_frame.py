@@ -17,6 +17,7 @@ COMMANDS = (
     "info",
     "heading",
     "rtk",
+    "convert",
     "simulate",
     "reproduce",
     "data",

@@ -21,7 +21,7 @@ class Frames(NamedTuple):
     start: np.ndarray  # (n,) int64, first byte of the message, behind the frame's head
     stop: np.ndarray  # (n,) int64, first byte behind the message
     number: np.ndarray  # (n,) int64, message number: 1124
-    damaged: int  # places where a frame had to begin and did, with a wrong checksum
+    damaged: int  # frames with a wrong checksum, whose place or length fits the good ones around them
     passed_over: int  # bytes that belong to no good frame
     is_cut_off: bool  # the log ends within a frame
 
@@ -40,7 +40,7 @@ def find_frames(content):
     taken = _one_after_another(begin, end, np.flatnonzero(is_good))
     start, stop = begin[taken] + _HEAD, end[taken] - _CHECKSUM
     number = octets[start].astype(np.int64) << 4 | octets[start + 1] >> 4
-    return Frames(start, stop, number, *_between(octets, begin, is_whole, begin[taken], end[taken]))
+    return Frames(start, stop, number, *_between(octets, begin, end, begin[taken], end[taken]))
 
 
 def _candidates(octets):
@@ -95,13 +95,16 @@ def _one_after_another(begin, end, good):
     return np.array(taken, dtype=np.int64)
 
 
-def _between(octets, begin, is_whole, first, behind):
-    """Return how many gaps begin with a damaged frame, how many bytes lie in gaps, and whether the log ends within a frame."""
+def _between(octets, begin, end, first, behind):
+    """Return how many damaged frames lie in the gaps between good ones, how many bytes, and whether the log ends within a frame."""
     gap_from, gap_to = np.append(0, behind), np.append(first, len(octets))
-    damaged = int(np.isin(gap_from[gap_to > gap_from], begin[is_whole]).sum())
-    return damaged, int((gap_to - gap_from).sum()), _begins_unfinished(octets, int(gap_from[-1]), begin[~is_whole])
+    gap = np.searchsorted(gap_from, begin, side="right") - 1
+    fits = (begin < gap_to[gap]) & ((begin == gap_from[gap]) | (end == gap_to[gap]))  # else it only looks like a frame
+    is_unfinished = fits & (gap == len(gap_from) - 1) & (end > len(octets))
+    damaged = int(fits.sum() - is_unfinished.sum())
+    return damaged, int((gap_to - gap_from).sum()), bool(is_unfinished.any() or _ends_in_head(octets[gap_from[-1] :]))
 
 
-def _begins_unfinished(octets, place, unfinished):
-    """Return whether a frame begins at a place and is not finished; a head of one or two bytes is one too."""
-    return place in unfinished.tolist() or (0 < len(octets) - place <= 2 and octets[place] == _PREAMBLE)
+def _ends_in_head(rest):
+    """Return whether what is left is the first one or two bytes of a frame."""
+    return 0 < len(rest) <= 2 and rest[0] == _PREAMBLE

@@ -39,9 +39,9 @@ def find_observed(numbers, payloads):
 
 
 def _unreadable_note(count):
-    return [f"{count} observation messages contradict themselves (too short, or an impossible time) and are left out"] if count else []
+    return [f"observation messages left out, too short or of an impossible time: {count}"] if count else []
 
 
 def _station_note(stations):
-    others = ", ".join(f"{station} ({count} messages)" for station, count in stations[1:])
-    return [f"observations of several stations: those of station {stations[0][0]} were read, left out was {others}"] if others else []
+    others = ", ".join(f"{station} ({count})" for station, count in stations[1:])
+    return [f"observations of several stations: those of station {stations[0][0]} were read, left out (messages): {others}"] if others else []

@@ -85,11 +85,11 @@ def _content(path):
 
 def _frame_notes(frames):
     if frames.damaged:
-        yield f"{frames.damaged} damaged messages (wrong checksum) were passed over"
+        yield f"damaged messages (wrong checksum) that were passed over: {frames.damaged}"
     if frames.is_cut_off:
         yield "the log ends within a message; that one is left out"
     if frames.passed_over:
-        yield f"{frames.passed_over} bytes belong to no good message"
+        yield f"bytes that belong to no good message: {frames.passed_over}"
 
 
 def _log(path, numbers, payloads, hint, progress, frame_notes):
@@ -99,7 +99,8 @@ def _log(path, numbers, payloads, hint, progress, frame_notes):
     times = message_times(observed, broadcasts, places, hint)
     cells = read_cells(observed.payloads, observed.layouts, progress)
     channels = frequency_channels(cells.get("R"), _of_kinds(numbers, payloads, (GLONASS_EPHEMERIS,)))
-    header, moved = station_header(_of_kinds(numbers, payloads, STATION_MESSAGES), observed.station, channels)
+    names = {f"R{number:02d}": channel for number, channel in channels.items()}
+    header, moved = station_header(_of_kinds(numbers, payloads, STATION_MESSAGES), observed.station, names)
     time, tables, said = _tables(cells, times.observed, channels)
     observations = Observations(
         time=time,
@@ -122,7 +123,7 @@ def _broadcasts(numbers, payloads):
     found = {k: read_broadcast(numbers[k], payload) for payload, k in first.items()}
     good = {k: broadcast for k, broadcast in found.items() if broadcast is not None}
     bad = len(found) - len(good)
-    note = (f"{bad} ephemeris messages are no orbit of a navigation satellite, or too short, and are left out",) if bad else ()
+    note = (f"ephemeris messages left out, too short or no orbit of a navigation satellite: {bad}",) if bad else ()
     return np.array(list(good), dtype=np.int64), list(good.values()), note
 
 
@@ -145,7 +146,7 @@ def _tables(cells, message_time, channels):
 
 def _backward_note(time):
     back = int((np.diff(time) < np.timedelta64(0)).sum())
-    return [f"{back} observation messages are earlier than the one before them; the epochs were put in order of time"] if back else []
+    return [f"observation messages earlier than the one before them: {back}; the epochs were put in order of time"] if back else []
 
 
 def _passed_over(numbers):

@@ -41,8 +41,8 @@ def _of_known_signals(system, cells):
     """Return the cells of signals that have a name, and what is to be said of the others."""
     numbers, count = np.unique(cells.signal, return_counts=True)
     strange = {int(k): int(n) for k, n in zip(numbers, count, strict=True) if not signal_name(system, int(k))}
-    words = ", ".join(f"{k} ({n} measurements)" for k, n in strange.items())
-    note = [f"signals of {SYSTEM_NAMES[system]} that are not known here were left out: {words}"] if strange else []
+    words = ", ".join(f"{k} ({n})" for k, n in strange.items())
+    note = [f"signals of {SYSTEM_NAMES[system]} that are not known here were left out, with the number of measurements: {words}"] if strange else []
     return _pick(cells, ~np.isin(cells.signal, list(strange))), note
 
 
@@ -55,7 +55,7 @@ def _in_order_once(cells, epoch):
     key = (epoch.astype(np.int64) * 100 + cells.number) * 100 + cells.signal
     first = np.unique(key, return_index=True)[1]
     repeated = len(key) - len(first)
-    note = [f"{repeated} measurements stand in the log a second time, at the same time; the first were kept"] if repeated else []
+    note = [f"measurements given a second time at the same time: {repeated}; the first were kept"] if repeated else []
     return _pick(cells, first), epoch[first], note
 
 
