@@ -112,11 +112,8 @@ def msm(system, kind, clock, satellites, cells, multiple=0, number=0):
     columns = [("whole", 8), ("channel", 4), ("modulo", 10), ("rate", 14)] if has_rate else [("whole", 8), ("modulo", 10)]
     for name, width in columns:
         text += "".join(bits(satellites[k].get(name, 0), width) for k in sorted(satellites))
-    widths = (
-        {"fine_code": 20, "fine_phase": 24, "lock": 10, "half": 1, "cn0": 10}
-        if extended
-        else {"fine_code": 15, "fine_phase": 22, "lock": 4, "half": 1, "cn0": 6}
-    )
-    for name, width in (widths | ({"fine_rate": 15} if has_rate else {})).items():
+    widths = (20, 24, 10, 1, 10, 15) if extended else (15, 22, 4, 1, 6, 15)
+    names = ("fine_code", "fine_phase", "lock", "half", "cn0", *(["fine_rate"] if has_rate else []))
+    for name, width in zip(names, widths, strict=False):
         text += "".join(bits(cells[key].get(name, 0), width) for key in sorted(cells))
     return frame(text)

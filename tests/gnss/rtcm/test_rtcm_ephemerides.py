@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from rtcm_encoder import EPHEMERIS_FIELDS, ephemeris, msm
+from rtcm_encoder import EPHEMERIS_FIELDS, ephemeris, frame, msm
 
 from gnsslab.gnss.rinex import read_rinex_nav, write_rinex_nav
 from gnsslab.gnss.rtcm.ephemeris_messages import galileo_accuracy, user_range_accuracy
@@ -72,11 +72,9 @@ def health(message, raw):
 
 def test_accuracies_are_those_of_the_interface_documents():
     assert [user_range_accuracy(k) for k in range(15)] == [2, 2.8, 4, 5.7, 8, 11.3, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096]
-    steps = (
-        [(k, 0.01 * k) for k in range(51)] + [(k, 0.5 + 0.02 * (k - 50)) for k in range(50, 76)] + [(k, 1 + 0.04 * (k - 75)) for k in range(75, 101)]
-    )
-    for index, metres in steps + [(k, 2 + 0.16 * (k - 100)) for k in range(100, 126)]:
-        assert galileo_accuracy(index) == pytest.approx(metres)
+    for first, last, metres, step in ((0, 50, 0, 0.01), (50, 75, 0.5, 0.02), (75, 100, 1, 0.04), (100, 125, 2, 0.16)):
+        for index in range(first, last + 1):
+            assert galileo_accuracy(index) == pytest.approx(metres + step * (index - first))
     assert all(np.isnan(value) for value in (user_range_accuracy(15), galileo_accuracy(126), galileo_accuracy(255)))
 
 
@@ -89,8 +87,6 @@ def test_repeated_messages_stand_once_with_the_first_time(read, rng):
 
 
 def test_placeholders_and_short_messages_are_no_orbits(read, rng):
-    from rtcm_encoder import frame
-
     whole = "".join(format(octet, "08b") for octet in ephemeris(1019, drawn(rng, 1019))[3:-3])
     log = read(ephemeris(1042, {"number": 3}), frame(whole[:400]), msm("G", 4, 15_000, AT_3, ONE))
     assert len(log.ephemerides.toe) == 0

@@ -28,7 +28,7 @@ def test_the_marker_is_lower_than_the_antenna_by_its_height(read):
 
 
 def test_a_position_that_changes_is_said_and_zeros_are_none(read):
-    log = read(station(POSITION), station(POSITION + [0, 0, 0.25]), EPOCH)
+    log = read(station(POSITION), station(POSITION + np.array([0, 0, 0.25])), EPOCH)
     assert log.observations.header.position_ecef == pytest.approx(POSITION, abs=tenth_millimetre)
     assert log.warnings == ("the station's position changes by 0.250 m within the log; the first was kept",)
     assert read(station((0, 0, 0)), EPOCH).observations.header.position_ecef is None
