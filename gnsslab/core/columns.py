@@ -1,6 +1,7 @@
 """Series of measurements (..., T, d), T epochs of d axes, as columns of one matrix (T, n) and back."""
 
 import math
+from numbers import Real
 
 import numpy as np
 
@@ -41,6 +42,6 @@ def uncolumns(matrix, z):
 
 def whole_number(n, name, least):
     """Return n as an int; raises ValueError where it is none or below the least."""
-    if n != int(n) or n < least:
+    if not (isinstance(n, Real) and n % 1 == 0 and n >= least):
         raise ValueError(f"{name} must be a whole number, at least {least}; got {n}")
     return int(n)

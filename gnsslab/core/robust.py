@@ -42,7 +42,7 @@ def igg3(k0, k1):
         eta = k0 / |v| ((k1 - |v|) / (k1 - k0))^2    k0 < |v| < k1
         eta = 0                                      |v| >= k1
 
-    Raises ValueError unless 0 < k0 < k1. Source: Yang (1994), Manuscripta Geodaetica 19:129-137; usual are k0 1 to 2, k1 2.5 to 8.
+    Raises ValueError unless 0 < k0 < k1. Source: Yang (1994), Manuscripta Geodaetica 19:10-17; usual are k0 1 to 2, k1 2.5 to 8.
     """
     if not (_is_threshold(k0) and _is_threshold(k1) and k0 < k1):
         raise ValueError(f"IGG III expects 0 < k0 < k1, both finite, such as 1.5 and 3; got k0 = {k0}, k1 = {k1}")
