@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2
 
+from gnsslab.core.jit import COMPILED
 from gnsslab.core.random_walk import random_walk_filter, random_walk_smoother
 from gnsslab.core.robust import danish, huber, igg3, igg3_weight, tukey
 
@@ -155,16 +156,24 @@ def test_a_hair_of_weight_is_no_overflow():
     assert filtered.weight[30, 0] < 1e-100
 
 
-def test_the_caller_keeps_his_array_and_memory_stays_small(rng):
+def test_nothing_of_the_callers_is_written(rng):
+    z = rng.standard_normal((10, 3))
+    z.flags.writeable = False
+    filtered = random_walk_filter(z, **PAPER)
+    for array in (filtered.level, filtered.variance):
+        array.flags.writeable = False
+    random_walk_smoother(filtered, PAPER["q"])
+
+
+@pytest.mark.skipif(not COMPILED, reason="lists of numbers are five times as large")
+def test_memory_stays_small(rng):
     z = rng.standard_normal((100_000, 3))
-    kept = z.copy()
     z.flags.writeable = False
     random_walk_filter(z[:10], **PAPER)
     tracemalloc.start()
     random_walk_filter(z, **PAPER)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert (z == kept).all()
     assert peak < 8 * z.nbytes  # five results, a copy of z because it is read-only
 
 
