@@ -44,12 +44,7 @@ def read_plain(path, columns=None, unit=None, progress=None):
     (m, cm, mm) holds for columns whose name states none. A row without status is FIXED. Raises SeriesError with the line's number.
     """
     table, notes = find_table(path, read_head(path), columns, unit)
-    pieces, cut = [NO_ROWS], 0
-    for piece in read_pieces(path, progress):
-        rows, is_cut = _rows_of(_data_lines(piece, table), table, path)
-        pieces.append(rows)
-        cut += is_cut
-    rows = joined(pieces)
+    rows, cut = _all_rows(path, table, progress)
     if not len(rows.time):
         raise SeriesError(path, "a header but no rows; expected one row an epoch")
     series, mended = gathered(rows)
@@ -214,6 +209,16 @@ def _words(table, names, is_named, unit):
 
 
 # rows --------------------------------------------------------------------------------------------------------------------------------
+
+
+def _all_rows(path, table, progress):
+    """Return the Rows of the whole file, and how many lines were cut short, 0 or 1."""
+    pieces, cut = [NO_ROWS], 0
+    for piece in read_pieces(path, progress):
+        rows, is_cut = _rows_of(_data_lines(piece, table), table, path)
+        pieces.append(rows)
+        cut += is_cut
+    return joined(pieces), cut
 
 
 def _data_lines(piece, table):

@@ -53,15 +53,10 @@ def read_pos(path, progress=None):
     3 to 7 (SBAS, DGPS, single, PPP, dead reckoning) are FLOAT too, their standard deviations tell them apart. Raises SeriesError.
     """
     form, notes = find_form(path, read_head(path))
-    pieces, qualities, cut = [], np.zeros(len(STATUS_OF_QUALITY), int), 0
-    for piece in read_pieces(path, progress):
-        rows, quality, is_cut = _rows_of(_data_lines(piece, form, path), form, path)
-        pieces.append(rows)
-        qualities += np.bincount(quality, minlength=len(qualities))
-        cut += is_cut
+    rows, qualities, cut = _all_rows(path, form, progress)
     if not qualities.sum():
         raise SeriesError(path, "a header but no rows; the solution has no epochs")
-    rows, said = _about_reference(joined(pieces), form)
+    rows, said = _about_reference(rows, form)
     series, mended = gathered(rows)
     return series, [*notes, *said, *_quality_words(qualities), *["the last line is cut short: left out"] * cut, *mended]
 
@@ -143,6 +138,17 @@ def _height_words(header):
 
 
 # rows --------------------------------------------------------------------------------------------------------------------------------
+
+
+def _all_rows(path, form, progress):
+    """Return the Rows of the whole file as `_rows_of` does, how many have each quality, and how many lines were cut short, 0 or 1."""
+    pieces, qualities, cut = [NO_ROWS], np.zeros(len(STATUS_OF_QUALITY), int), 0
+    for piece in read_pieces(path, progress):
+        rows, quality, is_cut = _rows_of(_data_lines(piece, form, path), form, path)
+        pieces.append(rows)
+        qualities += np.bincount(quality, minlength=len(qualities))
+        cut += is_cut
+    return joined(pieces), qualities, cut
 
 
 def _data_lines(piece, form, path):
