@@ -113,25 +113,25 @@ QUESTIONS = (
     Question(
         name="good-epochs-thrown-out",
         text=(
-            "All is well: the errors are normal, and the filter knows their sigma. It rejects each innovation beyond $k_1 = 2$ sigma. "
+            "All is well: the errors are normal, and the filter knows their sigma. It rejects each innovation beyond $k_1 = 2.5$ sigma. "
             "What share of the good epochs does it throw out?"
         ),
-        answer=4.55003,
-        tolerance=0.06,
+        answer=1.241933,
+        tolerance=0.02,
         unit="%",
         hints=(
-            "How often does a normal number lie within two sigma?",
-            "In 95.45 % of all cases. On both sides together the rest is outside.",
+            "How often does a normal number lie within two and a half sigma?",
+            "In 98.76 % of all cases. On both sides together the rest is outside.",
         ),
         solution=(
-            "4.55 %, one epoch in 22. Another 27 % lie between one and two sigma and are taken for less than they are worth." "\n\n"
-            "Gross errors are three in a thousand in the paper's series. So for every wrong fix this filter throws out fourteen good ones."
+            "1.24 %, one epoch in 81. With the paper's $k_1 = 2$ it is 4.55 %, one epoch in 22." "\n\n"
+            "Gross errors are three in a thousand in the paper's series. So for every wrong fix its filter throws out fourteen good ones."
         ),
         mistakes=(
-            UsualMistake(2.275, "That is one side. Innovations may be too large in both directions."),
-            UsualMistake(31.7311, "That is beyond *one* sigma: all that are weighted down or rejected."),
-            UsualMistake(95.45, "That is the share that is kept."),
-            UsualMistake(0.0455, "That is a share. In per cent it is a hundred times as much."),
+            UsualMistake(0.620967, "That is one side. Innovations may be too large in both directions."),
+            UsualMistake(4.55003, "That is beyond *two* sigma, the paper's $k_1$."),
+            UsualMistake(98.7581, "That is the share that is kept."),
+            UsualMistake(0.01241933, "That is a share. In per cent it is a hundred times as much."),
         ),
     ),
     Question(
@@ -187,52 +187,55 @@ QUESTIONS = (
     Question(
         name="a-step-too-large",
         text=(
-            "The same filter with IGG3, $k_0 = 1$ and $k_1 = 2$, settled at $P = 2.433$ cm² before a measurement, $r = 9.9$ cm². "
-            "From what size on does it reject a step altogether?"
+            "The same filter with IGG3, but milder than the paper's: $k_0 = 1.5$ and $k_1 = 3$. It has settled at $P = 2.433$ cm² "
+            "before a measurement, "
+            "and $r = 9.9$ cm². From what size on does it reject a step altogether?"
         ),
-        answer=7.0237,
-        tolerance=0.03,
+        answer=10.53555,
+        tolerance=0.04,
         unit="cm",
         hints=(
             r"The innovation is judged by its own sigma, $\sqrt{S}$ with $S = P + r$.",
-            r"$\sqrt{12.33} = 3.51$ cm, and it is rejected from $k_1 = 2$ of them on.",
+            r"$\sqrt{12.33} = 3.51$ cm, and it is rejected from $k_1 = 3$ of them on.",
         ),
         solution=(
-            r"$2\sqrt{2.433 + 9.9} = 7.02$ cm." "\n\n"
+            r"$3\sqrt{2.433 + 9.9} = 10.5$ cm. With the paper's $k_1 = 2$ it is 7.0 cm." "\n\n"
             "Below, the filter follows, slowly at first. Above, it takes the truth for a wrong fix and stays where it was. "
-            "The larger the slide, the longer it sees nothing."
+            "Milder thresholds move the limit. They do not remove it."
         ),
         mistakes=(
-            UsualMistake(6.2929, r"That is $2\sqrt{r}$. The prediction is uncertain too: $S = P + r$."),
-            UsualMistake(3.5118, "That is one sigma, where the weight begins to fall. It is zero from two on."),
-            UsualMistake(24.666, "That is twice the variance. Take the root first."),
-            UsualMistake(6.88566, r"You took $P$ after the measurement, 1.953 cm². The innovation comes before."),
+            UsualMistake(9.43928, r"That is $3\sqrt{r}$. The prediction is uncertain too: $S = P + r$."),
+            UsualMistake(7.0237, r"That is with the paper's $k_1 = 2$."),
+            UsualMistake(5.26777, r"That is $k_0$, where the weight begins to fall. It is zero from $k_1$ on."),
+            UsualMistake(36.9992, "That is three times the variance. Take the root first."),
+            UsualMistake(10.32849, r"You took $P$ after the measurement, 1.953 cm². The innovation comes before."),
         ),
     ),
     Question(
         name="how-long-it-stays-blind",
         text=(
-            "Now the slope goes by 10 cm at once. Nothing else moves, and there is no noise. While it rejects, the filter becomes "
-            "less sure of itself: "
-            "$P$ grows by $q = 0.48$ cm² each epoch. How many epochs does it reject before it takes in the first one?"
+            "The paper's filter again, $k_1 = 2$. The slope goes by 12 cm at once; nothing else moves, and there is no noise. "
+            "While it rejects, the filter "
+            "becomes less sure of itself: from 2.433 cm² on, $P$ grows by $q = 0.48$ cm² each epoch. How many epochs does it "
+            "reject before it takes in the first one?"
         ),
-        answer=27.0,
+        answer=50.0,
         tolerance=0.4,
         unit="",
         hints=(
-            r"It takes an epoch in as soon as 10 cm are less than $2\sqrt{P + r}$. What must $P$ be?",
-            r"$P > 5^2 - 9.9 = 15.1$ cm². It starts from 2.433 and gains 0.48 with each epoch: $12.67/0.48 = 26.4$.",
+            r"It takes an epoch in as soon as 12 cm are less than $2\sqrt{P + r}$. What must $P$ be?",
+            r"$P > 6^2 - 9.9 = 26.1$ cm². It starts from 2.433 and gains 0.48 with each epoch: $23.67/0.48 = 49.3$.",
         ),
         solution=(
-            "The epochs 0 to 26 after the step are rejected: **27**. At 15 s that is nearly seven minutes in which the alarm system is blind, "
+            "The epochs 0 to 49 after the step are rejected: **50**. At 15 s that is more than twelve minutes in which the alarm system is blind, "
             "and even then the first ones count for next to nothing." "\n\n"
-            r"For 15 cm it rejects 92 epochs, or 23 minutes. Time grows with the *square* of the step."
+            "For 10 cm it rejects 27 epochs, for 15 cm 92. Time grows with the *square* of the step."
         ),
         mistakes=(
-            UsualMistake(26.0, "The last of those is still rejected: 26 steps of the walk are not enough, 27 are. Epoch 0 counts too."),
-            UsualMistake(183.0, "You compared with one sigma. It rejects from two on."),
+            UsualMistake(49.0, "You rounded down. After so many steps of the walk it still rejects, and epoch 0 counts too."),
+            UsualMistake(275.0, "You compared with one sigma. It rejects from two on."),
             UsualMistake(92.0, "That is for a step of 15 cm."),
-            UsualMistake(48.0, "You forgot $r$: $25 - 9.9$, not 25, is what $P$ must reach."),
+            UsualMistake(70.0, "You forgot $r$: $P + r$ must reach 36 cm², not $P$ alone."),
         ),
     ),
     Question(
