@@ -113,6 +113,11 @@ TOGETHER = {
         {"scene": ("static", "turntable"), "printed": ("none", "16", "25", "31"), "velocity_noise": (0, 1000), "length": (0.3, 5), "pitch": (0, 40)},
         {"multipath": 12, "missing": 5, "late": 1000},
     ),
+    "denoising": (
+        {"method": ("joint", "average", "smoother"), "step": (0, 10), "counted": (1, 30), "q": (0.005, 5), "correlation": (0.5, 120),
+         "thresholds": ("none", "paper")},
+        {"window": 120, "gross": 4, "average": 120},
+    ),
 }  # fmt: skip
 
 # data sets of the choices of data that are real
@@ -141,6 +146,7 @@ ONE_END_ONLY = {  # not at the other
     ("soft-fixing", "risk"),
     ("fewer-satellites", "mask"),
     ("filter-health", "length_use"),
+    ("denoising", "average"),
 }
 NOT_FINITE = {  # parts of a result with NaN where something was not measured or has no answer, infinity where there is no limit
     "north": {"attitude"},
@@ -152,6 +158,7 @@ NOT_FINITE = {  # parts of a result with NaN where something was not measured or
     "known-length": {"norms"},
     "three-filters": {"pitch_error"},
     "platforms": {"attitude", "rate"},
+    "denoising": {"lags"},
 }
 
 
@@ -194,6 +201,9 @@ ANSWERS = {
     "platforms": Answer(lambda r: len(r.attitude.status), lambda r: [f"{len(r.attitude.status)} seconds"], readouts=5),
     "three-filters": Answer(
         lambda r: len(r.seconds), lambda r: [f"{len(r.seconds)} epochs"], lambda r: set(r.solutions) == {"direct", "length", "position"}, 6
+    ),
+    "denoising": Answer(
+        lambda r: len(r.truth), lambda r: [f"{len(r.truth)} epochs"], lambda r: {"joint", "hampel"} <= set(r.lengths) and r.weight <= 0.6, 5
     ),
 }
 
