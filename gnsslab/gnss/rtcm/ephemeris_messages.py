@@ -22,6 +22,7 @@ _NANOSECOND = 1e-9
 _GALILEO_WEEK_ZERO = 1024  # GPS week in which Galileo week 0 begins
 _FNAV, _INAV = 0b1_0000_0010, 0b10_0000_0101  # data sources of RINEX: message, and whose clock (E5a or E5b with E1)
 _NO_URA = 15
+_WEEKS = 5217  # GPS weeks until 2080, where RINEX's two-digit years end
 _SISA_INDEX, _SISA = (0, 50, 75, 100, 125), (0.0, 0.5, 1.0, 2.0, 6.0)  # [m], linear in between
 
 
@@ -84,20 +85,22 @@ class Broadcast(NamedTuple):
         return Clue(self.week, self.modulus, toe, received)
 
 
-def read_broadcast(number, payload):
+def read_broadcast(message_number, payload):
     """Return the `Broadcast` of an ephemeris message; None where it is too short or is no orbit of a navigation satellite."""
     try:
         message = RTCMMessage(payload=payload)
     except (RTCMMessageError, RTCMTypeError):
         return None
-    kind = _KINDS[number]
+    kind = _KINDS[message_number]
     values = _run(message, kind.clock, _CLOCK) | _run(message, kind.orbit, _ORBIT) | {"idot": getattr(message, kind.idot)}
-    values |= {name: values[name] * _PI for name in _SEMICIRCLES} | _flags(message, number, kind)
+    values |= {name: values[name] * _PI for name in _SEMICIRCLES} | _flags(message, message_number, kind)
     toe, toc = values.pop("toe"), values.pop("toc")
     if not _is_orbit(values["sqrt_a"], values["e"], toe, toc):
         return None
-    satellite = f"{kind.system}{getattr(message, kind.satellite):02d}"
-    return Broadcast(satellite, getattr(message, kind.week) + kind.week_zero, kind.modulus, toe, toc, values)
+    number, week = getattr(message, kind.satellite), getattr(message, kind.week) + kind.week_zero
+    if number == 0 or week >= _WEEKS:
+        return None
+    return Broadcast(f"{kind.system}{number:02d}", week, kind.modulus, toe, toc, values)
 
 
 def _run(message, first, names):

@@ -7,6 +7,7 @@ import numpy as np
 
 from gnsslab.gnss.rtcm.weeks import DAY, WEEK, Hint, first_week, glonass_times, label_of, unrolled, whole_week
 
+_EARLIEST = label_of(WEEK)  # archives can give a file any date
 _NOON = np.timedelta64(12, "h")
 _NEVER = np.datetime64("NaT", "ns")
 
@@ -23,12 +24,13 @@ class Times(NamedTuple):
 def hint_of(path, start):
     """Return what is known of the date outside the log: the day the user says, else the date of the file."""
     if start is None:
-        return Hint(np.datetime64(int(os.path.getmtime(path)), "s").astype("M8[ns]"), is_given=False)
+        changed = np.datetime64(int(os.path.getmtime(path)), "s").astype("M8[ns]")
+        return Hint(max(changed, _EARLIEST), is_given=False)
     try:
         day = np.datetime64(start).astype("M8[D]")
     except ValueError:
         day = _NEVER
-    if np.isnat(day):
+    if np.isnat(day) or day < _EARLIEST:
         raise ValueError(f"start {start!r}: expected a date like 2026-06-26")
     return Hint(day.astype("M8[ns]") + _NOON, is_given=True)
 

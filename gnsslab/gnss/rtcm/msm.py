@@ -21,7 +21,7 @@ from gnsslab.gnss.signals import SPEED_OF_LIGHT
 METRES_PER_MS = SPEED_OF_LIGHT * 1e-3
 _SYSTEM_OF_TENS = {107: "G", 108: "R", 109: "E", 111: "J", 112: "C"}
 _STATION_BIT, _CLOCK_BIT, _MASK_BIT, _CELL_BIT = 12, 24, 73, 169  # where these begin in the message
-_HEAD_BITS = 240  # holds the longest head: 169 bits and at most 64 cells
+_HEAD_BITS, _MOST_CELLS = 240, 64  # the longest head has 169 bits and 64 for the cells
 _AT_ONCE = 512  # messages taken apart together, about 2 MB
 _SATELLITE_FIELDS = {  # in their order in the message; DF419, the GLONASS channel, is reserved in the other systems
     4: ("DF397", "DF398"),
@@ -85,8 +85,10 @@ def read_head(payload):
     head = int.from_bytes(payload[: _HEAD_BITS // 8].ljust(_HEAD_BITS // 8, b"\0"), "big")
     masks = _bits(head, _MASK_BIT, 96)
     possible = (masks >> 32).bit_count() * (masks & 0xFFFF_FFFF).bit_count()
+    if possible > _MOST_CELLS:
+        return None
     layout = head >> (_HEAD_BITS - 12), masks, _bits(head, _CELL_BIT, possible)
-    if possible > 64 or len(payload) * 8 < _length(layout):
+    if len(payload) * 8 < _length(layout):
         return None
     return Head(_bits(head, _STATION_BIT, 12), _bits(head, _CLOCK_BIT, 30), layout)
 

@@ -102,7 +102,7 @@ def whole_week(week, modulus, hint):
     2429
     """
     turns = (_milliseconds(hint.label) / WEEK - week) / modulus
-    return week + modulus * (round(turns) if hint.is_given else int(np.floor(turns)))
+    return week + modulus * max(round(turns) if hint.is_given else int(np.floor(turns)), 0)
 
 
 def _contradiction(begin, hint):

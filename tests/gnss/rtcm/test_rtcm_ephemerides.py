@@ -88,6 +88,7 @@ def test_repeated_messages_stand_once_with_the_first_time(read, rng):
 
 def test_placeholders_and_short_messages_are_no_orbits(read, rng):
     whole = "".join(format(octet, "08b") for octet in ephemeris(1019, drawn(rng, 1019))[3:-3])
-    log = read(ephemeris(1042, {"number": 3}), frame(whole[:400]), msm("G", 4, 15_000, AT_3, ONE))
+    future = ephemeris(1042, drawn(rng, 1042) | {"week": 8191})
+    log = read(ephemeris(1042, {"number": 3}), frame(whole[:400]), future, msm("G", 4, 15_000, AT_3, ONE))
     assert len(log.ephemerides.toe) == 0
-    assert log.warnings == ("ephemeris messages left out, too short or no orbit of a navigation satellite: 2",)
+    assert log.warnings == ("ephemeris messages left out, too short or no orbit of a navigation satellite: 3",)

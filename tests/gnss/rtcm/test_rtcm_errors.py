@@ -43,7 +43,7 @@ def test_places_that_are_no_file(tmp_path):
 def test_a_day_that_is_none(tmp_path):
     path = tmp_path / "x.rtcm3"
     path.write_bytes(EPOCH)
-    for day in ("tomorrow", "2026-13-01", "NaT"):
+    for day in ("tomorrow", "2026-13-01", "NaT", "1900-01-01"):
         with pytest.raises(ValueError, match="expected a date like 2026-06-26"):
             read_rtcm(path, start=day)
 

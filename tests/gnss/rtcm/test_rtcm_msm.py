@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from pyrtcm import RTCMMessage
-from rtcm_encoder import INVALID, bits, frame, msm
+from rtcm_encoder import INVALID, TENS, bits, frame, msm
 
 from gnsslab.gnss.observations import HALF_CYCLE, SLIP
 from gnsslab.gnss.rtcm.frames import find_frames
@@ -180,6 +180,27 @@ def test_a_message_shorter_than_its_masks_say_is_left_out(read):
     log = read(msm("G", 4, TOW, AT_3, ONE), short, msm("G", 4, 604_800_000, AT_3, ONE))
     assert len(log.observations.time) == 1
     assert log.warnings == ("observation messages left out, too short or of an impossible time: 2",)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.5])
+def test_messages_of_any_content_are_read_or_left_out(read, rng, share):
+    """Whoever writes a right checksum over nonsense gets no traceback."""
+    numbers = [
+        1005,
+        1008,
+        1019,
+        1020,
+        1033,
+        1042,
+        1044,
+        1045,
+        1046,
+        *(tens * 10 + kind for tens in (107, 108, 109, 111, 112) for kind in (4, 5, 6, 7)),
+    ]
+    contents = (bits(number, 12) + "".join("01"[bit] for bit in rng.random(rng.integers(0, 1500)) < share) for number in numbers * 5)
+    log = read(*map(frame, contents))
+    assert sum(log.messages.values()) == len(numbers) * 5
+    assert all("\n" not in warning for warning in log.warnings)
 
 
 def test_another_station_is_left_out_and_said(read):
