@@ -47,9 +47,10 @@ def read_rtcm(path, start=None, progress=None):
 
     Read are MSM4 to MSM7 of GPS, Galileo, BeiDou, QZSS and GLONASS, the ephemerides 1019, 1042, 1044, 1045 and 1046, and
     of the station 1005 to 1008 and 1033. Messages of the same time are one epoch, whether or not the last of them, which
-    the multiple message bit (DF393) announces, arrived. The week is that of the ephemerides, else of `start` (any day of
-    the log's first days, "2026-06-26"), else of the file's date, with a warning. Bit SLIP stands where lock times say that
-    lock was lost, HALF_CYCLE where the half-cycle indicator is set. `progress(done, total)` is called with messages.
+    the multiple message bit (DF393) announces, arrived. The week is that of the ephemerides, else the one nearest to
+    `start` (the day it was recorded, "2026-06-26"), else that of the file's date, with a warning. Bit SLIP stands where
+    lock times say that lock was lost, HALF_CYCLE where the half-cycle indicator is set. `progress(done, total)` is called
+    with messages.
 
     `.warnings` says what was damaged, unknown or passed over. Raises RtcmError where there is no RTCM 3 message.
     """
