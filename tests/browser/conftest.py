@@ -6,15 +6,20 @@ import signal
 import subprocess
 import sys
 import threading
+from functools import cache
 from pathlib import Path
 from queue import Empty, Queue
 
 import pytest
+from stages import SharedLesson, stage
+
+from gnsslab.teaching.catalogue import find_lesson
 
 FLAGS = (  # noqa: SIM905 - one line a flag reads no better
     "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update "
     "--disable-sync --disable-dev-shm-usage"
 ).split()
+PATIENCE = 90_000  # [ms], the very first load compiles kernels
 START_SECONDS = 60  # for the server to say where it is, on a busy machine
 
 
@@ -91,23 +96,74 @@ def visit(chromium, course, progress_folder):
     When the test ends, no console error and no request that left the machine may stand in the page's records.
     """
     contexts, troubles = [], []
-    for file in progress_folder.iterdir():
-        file.unlink()
+    _forget_answers(progress_folder)
 
     def open_page(path="/", width=1280, height=900, scheme="light"):
         context = chromium.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
         contexts.append(context)
-        page = context.new_page()
-        page.on("console", lambda message: troubles.append(f"console: {message.text}") if message.type == "error" else None)
-        page.on("pageerror", lambda error: troubles.append(f"page error: {error}"))
-        page.on("request", lambda request: troubles.append(f"left the machine: {request.url}") if _is_foreign(request.url, course) else None)
-        page.goto(course.rstrip("/") + path)
-        return page
+        return _open(context, course, path, troubles)
 
     yield open_page
     for context in contexts:
         context.close()
     assert not troubles
+
+
+@pytest.fixture
+def open_labs(visit, shared_labs):
+    """A function that opens a lesson, predicts one of its options and returns the page once all labs stand.
+
+    A lesson without a query is opened once for all tests of a file; each finds the labs as they were at first.
+    """
+    open_shared, troubles = shared_labs
+
+    def opened(number, option, query="", **how):
+        if query or how:
+            return _with_labs(visit(find_lesson(number).address + query, **how), number, option)
+        return open_shared(number, option).restored(PATIENCE)
+
+    yield opened
+    assert not troubles
+
+
+@pytest.fixture(scope="module")
+def shared_labs(chromium, course, progress_folder):
+    """A function from a lesson's number and an option to its `SharedLesson`, and what went wrong on such pages."""
+    contexts, troubles = [], []
+
+    @cache
+    def opened(number, option):
+        _forget_answers(progress_folder)
+        contexts.append(chromium.new_context(viewport={"width": 1280, "height": 900}))
+        page = _open(contexts[-1], course, find_lesson(number).address, troubles)
+        return SharedLesson(_with_labs(page, number, option), find_lesson(number))
+
+    yield opened, troubles
+    for context in contexts:
+        context.close()
+
+
+def _with_labs(page, number, option):
+    """Predict, and return the page once all labs stand."""
+    page.get_by_role("radio", name=option, exact=True).click(timeout=PATIENCE)
+    for lab in find_lesson(number).open_labs():
+        stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
+    return page
+
+
+def _open(context, course, path, troubles):
+    """Return the page of an address of the course; what its console says, and whom it asks beyond the course, becomes trouble."""
+    page = context.new_page()
+    page.on("console", lambda message: troubles.append(f"console: {message.text}") if message.type == "error" else None)
+    page.on("pageerror", lambda error: troubles.append(f"page error: {error}"))
+    page.on("request", lambda request: troubles.append(f"left the machine: {request.url}") if _is_foreign(request.url, course) else None)
+    page.goto(course.rstrip("/") + path)
+    return page
+
+
+def _forget_answers(progress_folder):
+    for file in progress_folder.iterdir():
+        file.unlink()
 
 
 def _is_foreign(url, course):

@@ -5,7 +5,7 @@ import re
 import time
 
 import pytest
-from stages import stage
+from stages import shown, stage
 
 from gnsslab.labs.controls import Slider
 from gnsslab.teaching.catalogue import LESSONS
@@ -64,18 +64,18 @@ def test_each_slider_changes_what_its_lab_shows(open_lesson, dataset, lesson):
     for name, lab in lesson.open_labs().items():
         if any(control.more for control in lab.controls):
             stage(page, name).get_by_text("more", exact=True).click()
-        untouched = {other: _shown(page, other) for other in lesson.open_labs() if other != name}
+        untouched = {other: shown(page, other) for other in lesson.open_labs() if other != name}
         blocked = lab.blocked(lab.settings())
         for control in lab.controls:
             if isinstance(control, Slider):
                 _press_to_both_ends(page, name, control, control.name in blocked)
             if (name, control.name) in RESET_AFTER:
                 _press_preset(page, name, lab.presets[0])
-        assert {other: _shown(page, other) for other in untouched} == untouched
+        assert {other: shown(page, other) for other in untouched} == untouched
 
 
 def _press_preset(page, lab, preset):
-    before = _shown(page, lab)
+    before = shown(page, lab)
     page.get_by_role("button", name=preset.label, exact=True).click()
     _await_change(page, lab, before, f"{lab}: preset {preset.name}")
 
@@ -87,19 +87,13 @@ def _press_to_both_ends(page, lab, control, is_blocked):
         return
     is_at_home = slider.get_attribute("aria-valuenow") == slider.get_attribute("aria-valuemin")
     for key in ("End", "Home") if is_at_home or control.name in LEFT_LOW else ("Home", "End"):
-        before = _shown(page, lab)
+        before = shown(page, lab)
         slider.press(key)
         _await_change(page, lab, before, f"{lab}: {control.name} to {key}")
 
 
-def _shown(page, lab):
-    """Return readouts, problem and pictures of a lab, all of one moment."""
-    parts = ", ".join(f'.gl-stage[data-lab="{lab}"] .gl-{part}' for part in ("readouts", "problem", "pictures img"))
-    return page.evaluate("parts => [...document.querySelectorAll(parts)].map(part => part.src ?? part.innerText).join(' ')", parts)
-
-
 def _await_change(page, lab, before, move):
     deadline = time.monotonic() + PATIENCE / 1000
-    while _shown(page, lab) in (before, ""):
+    while shown(page, lab) in (before, ""):
         assert time.monotonic() < deadline, f"nothing changed, {move}"
         page.wait_for_timeout(20)

@@ -3,6 +3,7 @@
 import re
 import statistics
 import time
+from functools import partial
 
 import pytest
 
@@ -12,16 +13,9 @@ PATIENCE = 60_000  # [ms], the very first load compiles kernels
 
 
 @pytest.fixture
-def lesson(visit):
-    """The lesson with its lab open."""
-
-    def open_lesson(**how):
-        page = visit("/lesson/00/", **how)
-        page.get_by_role("radio", name="to about 2 degrees").click(timeout=PATIENCE)
-        page.wait_for_selector(f"{NORTH} .gl-pictures img", timeout=PATIENCE)
-        return page
-
-    return open_lesson
+def lesson(open_labs):
+    """The lesson with its labs open."""
+    return partial(open_labs, "00", "to about 2 degrees")
 
 
 def _readouts(page):

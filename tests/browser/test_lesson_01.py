@@ -2,9 +2,10 @@
 
 import re
 import time
+from functools import partial
 
 import pytest
-from stages import readouts, stage
+from stages import readouts, shown, stage
 
 from gnsslab.teaching.catalogue import find_lesson
 
@@ -13,33 +14,14 @@ PATIENCE = 60_000  # [ms], the very first load compiles kernels
 
 
 @pytest.fixture
-def lesson(visit):
+def lesson(open_labs):
     """The lesson with its labs open."""
-
-    def open_lesson(path="/lesson/01/", **how):
-        page = visit(path, **how)
-        page.get_by_role("radio", name="100 times or more").click(timeout=PATIENCE)
-        for lab in LABS:
-            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
-        return page
-
-    return open_lesson
-
-
-def _shown(page, lab):
-    """What a lab shows: its numbers and its first picture, or the sentence that stands for them."""
-    return page.evaluate(
-        """name => {
-            const stage = selector => [...document.querySelectorAll(`.gl-stage[data-lab="${name}"] ${selector}`)];
-            return stage('.gl-readouts, .gl-problem').map(e => e.innerText).join() + stage('.gl-pictures img').map(e => e.src).join();
-        }""",
-        lab,
-    )
+    return partial(open_labs, "01", "100 times or more")
 
 
 def _await_change(page, lab, before):
     deadline = time.monotonic() + PATIENCE / 1000
-    while _shown(page, lab) == before or not _shown(page, lab):
+    while shown(page, lab) in (before, ""):
         assert time.monotonic() < deadline, "nothing changed"
         page.wait_for_timeout(20)
 
@@ -50,7 +32,7 @@ def _slider(page, lab, name):
 
 def test_a_slip_by_button(lesson):
     page = lesson()
-    before = _shown(page, "signal")
+    before = shown(page, "signal")
     page.get_by_role("button", name="Cycle slip", exact=True).click()
     _await_change(page, "signal", before)
     assert re.search(r"Slip\s+found", readouts(page, "signal"))
@@ -59,19 +41,19 @@ def test_a_slip_by_button(lesson):
 
 
 def test_a_slip_by_link(lesson):
-    page = lesson("/lesson/01/?preset=cycle-slip")
+    page = lesson("?preset=cycle-slip")
     assert re.search(r"Slip\s+found", readouts(page, "signal"))
     page.get_by_text(LABS["signal"].preset("cycle-slip").look_at).wait_for(timeout=PATIENCE)
 
 
 def test_a_preset_of_the_second_lab_by_link_leaves_the_first_alone(lesson):
-    page = lesson("/lesson/01/?lab=sky&preset=noon")
+    page = lesson("?lab=sky&preset=noon")
     page.get_by_text(LABS["sky"].preset("noon").look_at).wait_for(timeout=PATIENCE)
     assert re.search(r"Slip\s+none", readouts(page, "signal"))
 
 
 def test_a_hidden_slip_reaches_the_goal(lesson):
-    page = lesson("/lesson/01/?lab=signal&slip_cycles=1&slip_second=1&elevation_deg=15")
+    page = lesson("?lab=signal&slip_cycles=1&slip_second=1&elevation_deg=15")
     assert re.search(r"Slip\s+missed", readouts(page, "signal"))
     page.locator(".gl-reached").get_by_text("a slip of 1 cycle is missed").wait_for(timeout=PATIENCE)
 
@@ -79,7 +61,7 @@ def test_a_hidden_slip_reaches_the_goal(lesson):
 @pytest.mark.parametrize("lab", LABS)
 def test_the_data_that_travel_along(lesson, lab):
     page = lesson()
-    before = _shown(page, lab)
+    before = shown(page, lab)
     stage(page, lab).get_by_role("combobox", name="Data").select_option(label="GEONET")
     _await_change(page, lab, before)
     assert _slider(page, lab, "Multipath").get_attribute("data-disabled") is not None
@@ -89,7 +71,7 @@ def test_the_data_that_travel_along(lesson, lab):
 def test_real_roof(lesson, dataset):
     dataset("matrtklib-static")
     page = lesson()
-    before = _shown(page, "signal")
+    before = shown(page, "signal")
     stage(page, "signal").get_by_role("combobox", name="Data").select_option(label="real roof")
     _await_change(page, "signal", before)
     assert "G20 at 49 deg" in readouts(page, "signal")

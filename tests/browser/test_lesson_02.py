@@ -1,5 +1,7 @@
 """Lesson 02 in a real browser, through the real server: two labs on one page."""
 
+from functools import partial
+
 import pytest
 from stages import await_change, readouts, stage
 
@@ -8,17 +10,9 @@ LABS = ("cancelling", "correlation")
 
 
 @pytest.fixture
-def lesson(visit):
+def lesson(open_labs):
     """The lesson with both labs open."""
-
-    def open_lesson(query="", **how):
-        page = visit(f"/lesson/02/{query}", **how)
-        page.get_by_role("radio", name="decimetres").click(timeout=PATIENCE)
-        for lab in LABS:
-            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
-        return page
-
-    return open_lesson
+    return partial(open_labs, "02", "decimetres")
 
 
 def test_a_preset_by_its_button(lesson):

@@ -1,6 +1,7 @@
 """Lesson 03 in a real browser, through the real server: three labs on one page."""
 
 import time
+from functools import partial
 
 import pytest
 from stages import readouts, stage
@@ -10,17 +11,9 @@ LABS = ("centimetres", "cells", "spectrum")
 
 
 @pytest.fixture
-def lesson(visit):
+def lesson(open_labs):
     """The lesson with all labs open."""
-
-    def open_lesson(query="", **how):
-        page = visit(f"/lesson/03/{query}", **how)
-        page.get_by_role("radio", name="ten times").click(timeout=PATIENCE)
-        for lab in LABS:
-            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
-        return page
-
-    return open_lesson
+    return partial(open_labs, "03", "ten times")
 
 
 def _await_change(page, lab, before):

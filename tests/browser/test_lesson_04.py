@@ -1,5 +1,7 @@
 """Lesson 04 in a real browser, through the real server: four labs on one page."""
 
+from functools import partial
+
 import pytest
 from stages import await_change, readouts, stage
 
@@ -8,17 +10,9 @@ LABS = ("trust", "soft-fixing", "known-length", "fewer-satellites")
 
 
 @pytest.fixture
-def lesson(visit):
+def lesson(open_labs):
     """The lesson with all labs open."""
-
-    def open_lesson(query="", **how):
-        page = visit(f"/lesson/04/{query}", **how)
-        page.get_by_role("radio", name="four", exact=True).click(timeout=PATIENCE)
-        for lab in LABS:
-            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
-        return page
-
-    return open_lesson
+    return partial(open_labs, "04", "four")
 
 
 def test_the_stairs_have_a_slider_of_their_own(lesson):

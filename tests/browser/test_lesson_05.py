@@ -1,5 +1,7 @@
 """Lesson 05 in a real browser, through the real server: what only this lesson has."""
 
+from functools import partial
+
 import pytest
 from stages import await_change, readouts, stage
 
@@ -8,17 +10,9 @@ LABS = ("three-filters", "filter-health", "length-forms", "platforms")
 
 
 @pytest.fixture
-def lesson(visit):
+def lesson(open_labs):
     """The lesson with all labs open."""
-
-    def open_lesson(query="", **how):
-        page = visit(f"/lesson/05/{query}", **how)
-        page.get_by_role("radio", name="both", exact=True).click(timeout=PATIENCE)
-        for lab in LABS:
-            stage(page, lab).locator(".gl-pictures img").first.wait_for(timeout=PATIENCE)
-        return page
-
-    return open_lesson
+    return partial(open_labs, "05", "both")
 
 
 def test_a_preset_by_its_button_leaves_the_other_labs_alone(lesson):
