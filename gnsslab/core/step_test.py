@@ -1,0 +1,198 @@
+"""Outlier or step: a filter that waits a few epochs before it decides.
+
+One solution far off says nothing: an outlier and the first epoch of a step look alike. So innovations longer than some sigma are clipped, and
+what follows decides. At each epoch two tests are made on the last epochs with a solution:
+
+1. the generalised likelihood ratio of Willsky and Jones (1976), IEEE Trans. Automatic Control 21:108-115. A step of height d at epoch j makes
+   innovations g_k d, where g_k is what the filter has not yet taken up. With A = sum g v / S and B = sum g^2 / S the best height gains
+   A^2 / 2B in likelihood. It is cheap, and sees only clipped innovations;
+2. where it speaks up, both stories are filtered once more from j: nothing happened, or the level is new at j. Their likelihoods know gross
+   errors: log(N(v; 0, S) + exp(-lost) / (1 + v^2 / 25 S)^2), so that one solution costs about `lost` whatever its error.
+
+Where the second story is better by `threshold`, it becomes the filter's own: from j on as if the step had been known. Deciding late and
+repairing the past is the "detection, identification, adaptation" of Teunissen (1990).
+"""
+
+import math
+
+from gnsslab.core.jit import kernel, matrix
+from gnsslab.core.level_filter import COLOURED, LEVEL, P_BOTH, P_COLOUR, P_LEVEL, STATE_SIZE, WHITE, innovation, innovation_variance, predict, update
+
+AXES = 3
+OK, OUTLIER, STEP, GAP = range(4)
+LEFT_LEVEL, LEFT_COLOUR, EXPLAINED, POWER = range(4)  # of a unit step on one axis: not yet taken up by level and colour; A; B
+EFFECT_SIZE = 4
+GROSS_SCALE = 5.0  # [sigma] from here on the likelihood of a gross error falls
+NO_STEP = -1
+
+
+@kernel
+def follow(z, dt, noise, settings, memory, first, last, out):
+    """Filter epochs `first` to `last` - 1 of positions z (T, 3), NaN where there is none, `dt` (T,) epochs after the one before.
+
+    noise (3, 4), see `level_filter`. settings: clip, outlier, lost, width, pretest, threshold, settling, fewest. memory: state (3, 5), effects
+    (W, 12), saved (W, 15), starts (W,), count (1,), which go on from call to call; W is how many epochs back a step may lie.
+    out: level (T, 3), sigma (T, 3), flag (T,), start (T,): the first epoch of a step found at an epoch, else NO_STEP.
+    """
+    clip, outlier, lost, width, pretest, threshold, settling, fewest = settings
+    state, effects, saved, starts, count = memory
+    level, sigma, flag, start = out
+    for k in range(first, last):
+        start[k] = NO_STEP
+        _predict_all(state, effects, noise, dt[k])
+        if math.isnan(z[k][0]):
+            flag[k] = GAP
+        else:
+            _start_candidate(k, state, effects, saved, starts, count)
+            size = math.sqrt(_misfit(state, noise, z[k]))
+            flag[k] = OUTLIER if size > outlier else OK
+            gain, which = _take_up(state, effects, noise, z[k], min(1.0, clip / max(size, clip)), starts, k, fewest)
+            count[0] += 1.0
+            if gain > pretest and count[0] > settling:
+                needed = threshold * (1.0 + settling / count[0])  # with few epochs the noise is badly known
+                j = _decide(z, dt, noise, (clip, lost, width, needed, fewest), saved, starts, starts[which], k, state)
+                if j >= 0:
+                    flag[k], start[k] = STEP, j
+                    for c in range(len(starts)):
+                        starts[c] = NO_STEP
+        for axis in range(AXES):
+            level[k][axis], sigma[k][axis] = state[axis][LEVEL], math.sqrt(state[axis][P_LEVEL])
+
+
+@kernel
+def _predict_all(state, effects, noise, dt):
+    for axis in range(AXES):
+        a = predict(state[axis], noise[axis], dt)
+        for c in range(len(effects)):
+            effects[c][EFFECT_SIZE * axis + LEFT_COLOUR] *= a
+
+
+@kernel
+def _start_candidate(k, state, effects, saved, starts, count):
+    """Let a step that begins at this epoch take the place of the oldest candidate."""
+    c = int(count[0]) % len(starts)
+    starts[c] = k
+    for axis in range(AXES):
+        for i in range(EFFECT_SIZE):
+            effects[c][EFFECT_SIZE * axis + i] = 1.0 if i == LEFT_LEVEL else 0.0
+        for i in range(STATE_SIZE):
+            saved[c][STATE_SIZE * axis + i] = state[axis][i]
+
+
+@kernel
+def _misfit(state, noise, z):
+    """Return the squared length of the innovation in sigmas."""
+    total = 0.0
+    for axis in range(AXES):
+        v = innovation(state[axis], z[axis])
+        total += v * v / innovation_variance(state[axis], noise[axis])
+    return total
+
+
+@kernel
+def _take_up(state, effects, noise, z, weight, starts, k, fewest):
+    """Update the state with the weighted innovation, and each candidate's effect; return the largest gain A^2 / 2B, and whose it is."""
+    most, which = 0.0, 0
+    for axis in range(AXES):
+        S, v = innovation_variance(state[axis], noise[axis]), weight * innovation(state[axis], z[axis])
+        gain_level = (state[axis][P_LEVEL] + state[axis][P_BOTH]) / S
+        gain_colour = (state[axis][P_BOTH] + state[axis][P_COLOUR]) / S
+        update(state[axis], S, v)
+        for c in range(len(effects)):
+            _weigh(effects[c], EFFECT_SIZE * axis, v, S, gain_level, gain_colour)
+    for c in range(len(effects)):
+        if starts[c] >= 0 and k - starts[c] >= fewest - 1:
+            gain = _explained(effects[c])
+            if gain > most:
+                most, which = gain, c
+    return most, which
+
+
+@kernel
+def _weigh(effect, i, v, S, gain_level, gain_colour):
+    g = effect[i + LEFT_LEVEL] + effect[i + LEFT_COLOUR]
+    effect[i + EXPLAINED] += g * v / S
+    effect[i + POWER] += g * g / S
+    effect[i + LEFT_LEVEL] -= gain_level * g
+    effect[i + LEFT_COLOUR] -= gain_colour * g
+
+
+@kernel
+def _explained(effect):
+    total = 0.0
+    for axis in range(AXES):
+        A, B = effect[EFFECT_SIZE * axis + EXPLAINED], effect[EFFECT_SIZE * axis + POWER]
+        if B > 0.0:
+            total += A * A / B / 2.0
+    return total
+
+
+@kernel
+def _decide(z, dt, noise, rules, saved, starts, earliest, k, state):
+    """Tell both stories for each candidate from `earliest` on; take the best one for the state, if it is good enough, and return its start."""
+    clip, lost, width, needed, fewest = rules
+    trial = matrix(AXES, STATE_SIZE)
+    best, most = NO_STEP, needed
+    for c in range(len(starts)):
+        if starts[c] >= earliest and k - starts[c] >= fewest - 1:
+            j = int(starts[c])
+            _restore(trial, saved[c])
+            quiet = _replay(z, dt, noise, trial, j, k, clip, lost, 0.0)
+            _restore(trial, saved[c])
+            gain = _replay(z, dt, noise, trial, j, k, clip, lost, width) - quiet
+            if gain > most:
+                best, most = j, gain
+                for axis in range(AXES):
+                    for i in range(STATE_SIZE):
+                        state[axis][i] = trial[axis][i]
+    return best
+
+
+@kernel
+def _restore(trial, saved):
+    for axis in range(AXES):
+        for i in range(STATE_SIZE):
+            trial[axis][i] = saved[STATE_SIZE * axis + i]
+
+
+@kernel
+def _replay(z, dt, noise, trial, j, k, clip, lost, width):
+    """Filter epochs j to k anew from a state predicted to j, in place; return the log likelihood.
+
+    With a width [sigma of the noise] the level may have stepped by about as much at j: the likelihood of the first solution says so, and
+    the level is then taken from it alone.
+    """
+    total = 0.0
+    for i in range(j, k + 1):
+        if i > j:
+            for axis in range(AXES):
+                predict(trial[axis], noise[axis], dt[i])
+        if not math.isnan(z[i][0]):
+            if i == j:
+                _widen(trial, noise, width)
+            total += _log_likelihood(trial, noise, z[i], lost)
+            weight = min(1.0, clip / max(math.sqrt(_misfit(trial, noise, z[i])), clip))
+            if i == j and width > 0.0:
+                weight = 1.0
+                _widen(trial, noise, 100.0 * width)
+            for axis in range(AXES):
+                update(trial[axis], innovation_variance(trial[axis], noise[axis]), weight * innovation(trial[axis], z[i][axis]))
+    return total
+
+
+@kernel
+def _widen(trial, noise, width):
+    for axis in range(AXES):
+        trial[axis][P_LEVEL] += width * width * (noise[axis][WHITE] + noise[axis][COLOURED])
+
+
+@kernel
+def _log_likelihood(trial, noise, z, lost):
+    """Return log(N(v; 0, S) + gross) in units in which the noise's own density is 1 at its middle."""
+    misfit, shrink = 0.0, 0.0
+    for axis in range(AXES):
+        S, v = innovation_variance(trial[axis], noise[axis]), innovation(trial[axis], z[axis])
+        misfit += v * v / S
+        shrink += math.log(S / (noise[axis][WHITE] + noise[axis][COLOURED]))
+    gross = math.exp(-lost) / (1.0 + misfit / GROSS_SCALE**2) ** 2
+    return math.log(math.exp(-0.5 * (misfit + shrink)) + gross)

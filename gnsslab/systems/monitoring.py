@@ -1,0 +1,220 @@
+"""A monitoring filter that is robust to gross errors and still follows a real step.
+
+Paper B's robust Kalman filter (Li et al. 2021) rejects what is far off, so it rejects a large step as well: above 7 cm for tens of epochs, when
+it matters most. This one learns the noise of the series from the series, its correlation in time included (`core.coloured_noise`), clips what is
+far off, and decides a few epochs later whether it was an outlier or a step (`core.step_test`).
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from gnsslab.core import step_test
+from gnsslab.core.coloured_noise import learn_noise
+from gnsslab.core.jit import kernel_input, matrix, vector
+from gnsslab.core.level_filter import P_COLOUR, P_LEVEL, STATE_SIZE
+from gnsslab.gnss.relative import Status
+from gnsslab.gnss.times import iso_text, usual_step
+
+LEARNT_FROM = 4096  # latest epochs that the noise is learnt from
+LONGEST_BLOCK = 2048  # epochs filtered with the same noise
+FEWEST_SOLUTIONS = 16  # the noise is learnt from
+SURE = 5.0  # [sigma] of a slow displacement, for an alarm
+FIRST_SIGMA = 2.0  # of the first solution, in sigmas of the noise
+RULES = ("clip", "outlier", "lost", "width", "pretest", "threshold", "settling", "fewest")  # settings that `step_test.follow` asks for
+PER_METRE = 100.0  # inside, lengths are in centimetres, so that squares are of ordinary size
+
+
+class Flag(IntEnum):
+    """What became of an epoch."""
+
+    OK = step_test.OK
+    OUTLIER = step_test.OUTLIER  # far off, or not trusted: it has little or no weight
+    STEP = step_test.STEP  # a step was found at this epoch; it began a few epochs before
+    GAP = step_test.GAP  # no solution
+
+
+@dataclass(frozen=True)
+class MonitorSettings:
+    """Settings of the monitoring filter; epochs are of the series' usual interval. What is above `alarm` was chosen on simulated series."""
+
+    memory: float = 300.0  # [epochs] over which the level is averaged
+    threshold: float = 6.0  # log likelihood by which a step must be the better story
+    window: int = 32  # [epochs] a step is found within so many, or taken for a slow change
+    fewest: int = 3  # epochs with a solution, the first one of the step included, before a step is believed
+    clip: float = 3.0  # [sigma] longer innovations are cut to this
+    outlier: float = 4.5  # [sigma] longer ones are flagged
+    lost: float = 12.0  # log likelihood that a gross error costs
+    width: float = 4.0  # [sigma of the noise] of steps that are expected; larger ones are found as well
+    pretest: float = 8.0  # gain in log likelihood from which on it is worth while to look closer
+    settling: int = 60  # epochs before any step is believed: the noise is learnt from them
+    doubtful: float = 0.1  # solutions whose ratio is below this part of the usual one are not used
+    alarm: float = 0.02  # [m] level displacement that the alarm is for
+
+    def __post_init__(self):
+        for name, value in vars(self).items():
+            if isinstance(value, bool) or not np.isfinite(value) or value < 0 or (value == 0 and name != "doubtful"):
+                raise ValueError(f"monitor setting {name} must be a number above zero; it is {value}")
+        if self.window < self.fewest:
+            raise ValueError(f"the window of {self.window} epochs must hold the {self.fewest} epochs that a step needs: make it longer")
+
+
+@dataclass(frozen=True, eq=False)
+class FoundStep:
+    """A step of the ground, as known at the epoch at which it was found."""
+
+    time: np.datetime64  # its first epoch, GPS time
+    first: int  # the same, as an index
+    found: int  # index of the epoch at which it was found
+    size: np.ndarray  # (3,) [m] east, north, up
+    sigma: np.ndarray  # (3,) [m]
+
+    def __repr__(self):
+        size, sigma = (" ".join(f"{value * 100:.1f}" for value in each) for each in (self.size, self.sigma))
+        return f"FoundStep: {iso_text(self.time)}, {size} +- {sigma} cm east north up, found {self.found - self.first} epochs later"
+
+
+@dataclass(frozen=True, eq=False)
+class Monitored:
+    """A series of T epochs filtered as it came: each epoch's level knows nothing of later ones."""
+
+    time: np.ndarray  # (T,) datetime64[ns], GPS time
+    enu: np.ndarray  # (T, 3) [m] solutions, NaN where there is none
+    level: np.ndarray  # (T, 3) [m] where the point is; NaN before the first solution
+    sigma: np.ndarray  # (T, 3) [m] of the level
+    flag: np.ndarray  # (T,) int8 of Flag
+    alarm: np.ndarray  # (T,) bool
+    steps: tuple[FoundStep, ...]
+
+    def __repr__(self):
+        outliers, gaps = (int((self.flag == flag).sum()) for flag in (Flag.OUTLIER, Flag.GAP))
+        return f"Monitored: {len(self.time)} epochs, {outliers} outliers, {gaps} gaps, {len(self.steps)} steps, {self.alarms} alarms"
+
+    @property
+    def alarms(self):
+        """How often the alarm went off."""
+        return int(np.sum(np.diff(self.alarm.astype(int), prepend=0) == 1))
+
+
+def monitor(series, settings=None, progress=None):
+    """Return the `Monitored` of a `gnss.series.Series`: level, its sigma, flags, steps and alarms, each from the epochs up to it.
+
+    Only fixed solutions are used where there are any, and of these only those whose ratio is not below a tenth of the usual one. The first 60
+    epochs are filtered with the noise that they show themselves. The alarm is on from when a step of at least `settings.alarm` on the level is
+    found until the point is halfway back, and where the level is that far, and five sigma, from where it was after the first 60 epochs.
+    `progress(done, total)` is called now and then. A series with fewer than 16 solutions raises ValueError.
+
+    >>> from gnsslab.simulate import Shift, find_series_preset, simulate_series, with_shifts
+    >>> preset = with_shifts(find_series_preset("b-fixed"), Shift(1000, 1000, (0.1, 0.0, 0.0)))
+    >>> found = monitor(simulate_series(preset, np.random.default_rng(1)).series)
+    >>> [(step.first, step.found) for step in found.steps], found.alarms
+    ([(1000, 1002)], 1)
+    """
+    settings = settings or MonitorSettings()
+    is_used = usable(series, settings.doubtful)
+    if is_used.sum() < FEWEST_SOLUTIONS:
+        raise ValueError(f"monitoring needs {FEWEST_SOLUTIONS} solutions or more to learn their noise from; the series has {int(is_used.sum())}")
+    level, sigma, flag, start = _filter(series, is_used, settings, progress)
+    flag[series.is_solved & ~is_used] = Flag.OUTLIER
+    steps = tuple(_found_step(series.time, level, sigma, start, found) for found in np.flatnonzero(start >= 0))
+    alarm = _alarm_of_steps(level, steps, settings) | _alarm_of_creep(level, sigma, is_used, settings)
+    return Monitored(series.time, series.enu, level, sigma, flag.astype(np.int8), alarm, steps)
+
+
+def usable(series, doubtful):
+    """Return which epochs (T,) are used: fixed ones where there are any, less those whose ratio is below `doubtful` times the usual one."""
+    is_used = series.status == (Status.FIXED if (series.status == Status.FIXED).any() else Status.FLOAT)
+    usual = np.nanmedian(series.ratio[is_used]) if np.isfinite(series.ratio[is_used]).any() else np.nan
+    return is_used & ~(series.ratio < doubtful * usual)
+
+
+def _filter(series, is_used, settings, progress):
+    """Return level, sigma (T, 3) [m], flag and start of steps (T,)."""
+    T, first = len(series), int(np.argmax(is_used))
+    origin = series.enu[first]
+    z = np.where(is_used[:, None], (series.enu - origin) * PER_METRE, np.nan)
+    z_input, dt = kernel_input(z), kernel_input(epochs_since_last(series.time))
+    rules = tuple(float(getattr(settings, name)) for name in RULES)
+    memory = _empty_memory(settings.window)
+    out = matrix(T, 3), matrix(T, 3), vector(T), vector(T)
+    for begin, end in _blocks(is_used, settings.settling):
+        past = z[max(first, begin - LEARNT_FROM) : begin] if begin > first else z[first:end]
+        noise = _noise_rows(past, settings.memory)
+        if begin == first:
+            _start(memory[0], noise)
+        step_test.follow(z_input, dt, kernel_input(noise), rules, memory, begin, end, out)
+        if progress:
+            progress(end, T)
+    level, sigma, flag, start = (np.asarray(each) for each in out)
+    level, sigma = level / PER_METRE + origin, sigma / PER_METRE
+    level[:first], sigma[:first], flag[:first], start[:first] = np.nan, np.nan, Flag.GAP, step_test.NO_STEP
+    return level, sigma, flag, start.astype(int)
+
+
+def epochs_since_last(time):
+    """Return how many usual intervals (T,) lie between each epoch and the one before; 1 for the first.
+
+    >>> epochs_since_last(np.array(["2024-01-01", "2024-01-02", "2024-01-03", "2024-01-05"], "M8[ns]")).tolist()
+    [1.0, 1.0, 1.0, 2.0]
+    """
+    if len(time) < 2:
+        return np.ones(len(time))
+    seconds = np.diff(time).astype("timedelta64[ns]").astype(float) / 1e9
+    return np.concatenate([[1.0], seconds / usual_step(time)])
+
+
+def _blocks(is_used, settling):
+    """Yield begin and end of the stretches that are filtered with the same noise: they get longer as more of the noise is known."""
+    used = np.flatnonzero(is_used)
+    begin, count = int(used[0]), settling
+    while count < len(used):
+        yield begin, int(used[count])
+        begin, count = int(used[count]), count + min(count, LONGEST_BLOCK)
+    yield begin, len(is_used)
+
+
+def _noise_rows(z, memory):
+    """Return the noise (3, 4) of positions z (T, 3) as `level_filter` wants it; the level walks as fast as it takes to forget in `memory` epochs."""
+    learnt = [learn_noise(axis) for axis in z.T]
+    return np.array([[*noise, noise.long_run / memory**2] for noise in learnt])
+
+
+def _empty_memory(window):
+    starts = vector(window)
+    for c in range(window):
+        starts[c] = float(step_test.NO_STEP)
+    axes = step_test.AXES
+    return matrix(axes, STATE_SIZE), matrix(window, step_test.EFFECT_SIZE * axes), matrix(window, STATE_SIZE * axes), starts, vector(1)
+
+
+def _start(state, noise):
+    """Let the level be that of the first solution, as good as the noise is."""
+    for axis, (white, coloured, *_) in enumerate(noise):
+        state[axis][P_LEVEL], state[axis][P_COLOUR] = FIRST_SIGMA**2 * (white + coloured), coloured
+
+
+def _found_step(time, level, sigma, start, found):
+    first = int(start[found])
+    return FoundStep(time[first], first, int(found), level[found] - level[first - 1], np.hypot(sigma[found], sigma[first - 1]))
+
+
+def _alarm_of_steps(level, steps, settings):
+    """Return where (T,) the point is displaced by a step that was large enough: until it is halfway back."""
+    alarm = np.zeros(len(level), dtype=bool)
+    for step in steps:
+        if np.hypot(*step.size[:2]) >= settings.alarm:
+            offset = level[step.found :] - level[step.first - 1]
+            is_back = np.hypot(offset[:, 0], offset[:, 1]) < settings.alarm / 2
+            alarm[step.found : step.found + (int(np.argmax(is_back)) if is_back.any() else len(is_back))] = True
+    return alarm
+
+
+def _alarm_of_creep(level, sigma, is_used, settings):
+    """Return where (T,) the level is farther from where it settled than the alarm's threshold, and surely so."""
+    used = np.flatnonzero(is_used)
+    settled = int(used[min(settings.settling, len(used) - 1)])
+    offset, spread = level[:, :2] - level[settled, :2], np.hypot(sigma[:, :2], sigma[settled, :2])
+    distance = np.hypot(offset[:, 0], offset[:, 1])
+    surely = distance > SURE * np.sqrt(np.mean(spread**2, axis=1))
+    return (distance > settings.alarm) & surely & (np.arange(len(level)) > settled)
