@@ -11,6 +11,7 @@ from gnsslab.reproduce.papers import Outcome, Picture
 from gnsslab.reproduce.rule import Item
 
 TITLE = "Wang S., Li Y., Sun X., Ji Y. (2019): Dual-antenna attitude determination algorithm based on low-cost receiver. J. Comput. Appl. 39(8)"
+SEEDS = 20
 
 
 def reproduce(seeds, progress=None):

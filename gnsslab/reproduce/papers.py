@@ -1,14 +1,14 @@
-"""Which papers there are, and which of them can be reproduced: a module each, with TITLE, ITEMS and `reproduce(seeds, progress)`."""
+"""Which papers there are, and which of them can be reproduced: a module each, with TITLE, SEEDS, ITEMS and `reproduce(seeds, progress)`."""
 
 from importlib import import_module
 from typing import NamedTuple
 
 import numpy as np
 
-from gnsslab.reproduce.rule import judged
+from gnsslab.reproduce.rule import judged, measured
 
 PAPERS = "ABCDE"
-MODULES = {"A": "gnsslab.reproduce.paper_a"}
+MODULES = {"A": "gnsslab.reproduce.paper_a", "B": "gnsslab.reproduce.paper_b"}
 
 
 class Picture(NamedTuple):
@@ -19,12 +19,30 @@ class Picture(NamedTuple):
     png: bytes
 
 
+class Column(NamedTuple):
+    """One quantity of a Table."""
+
+    quantity: str
+    unit: str
+    is_share: bool = False  # or a count: its mean is told, not its median
+
+
+class Table(NamedTuple):
+    """Numbers of ours that no paper states: a row for each method, say, and a column for each quantity."""
+
+    title: str
+    words: str  # how they were found
+    columns: tuple[Column, ...]
+    rows: dict[str, tuple[np.ndarray, ...]]  # name -> for each column values (seeds,), NaN: never
+
+
 class Outcome(NamedTuple):
     """What a paper's module found."""
 
     numbers: dict[str, np.ndarray]  # key of an Item -> (seeds,)
     pictures: tuple[Picture, ...]
     notes: tuple[str, ...]  # sentences on the runs as a whole
+    tables: tuple[Table, ...] = ()
 
 
 class Reproduction(NamedTuple):
@@ -35,6 +53,12 @@ class Reproduction(NamedTuple):
     lines: list[dict]  # of `rule.judged`
     pictures: tuple[Picture, ...]
     notes: tuple[str, ...]
+    tables: tuple[Table, ...] = ()
+
+    @property
+    def measured(self):
+        """The numbers of the tables as lines of `rule.measured`."""
+        return [line for table in self.tables for line in table_lines(self.letter, table)]
 
 
 def checked_letters(letters):
@@ -52,9 +76,23 @@ def checked_letters(letters):
     return wanted
 
 
+def usual_seeds(letter):
+    """Return how many seeds a paper is reproduced with where nothing else is asked."""
+    return import_module(MODULES[letter]).SEEDS
+
+
 def reproduced(letter, seeds, progress=None):
     """Return the Reproduction of a paper with these seeds of random numbers; progress(done, total) is called on the way."""
     module = import_module(MODULES[letter])
     outcome = module.reproduce(seeds, progress)
     lines = [judged(letter, item, outcome.numbers[item.key]) for item in module.ITEMS]
-    return Reproduction(letter, module.TITLE, lines, outcome.pictures, outcome.notes)
+    return Reproduction(letter, module.TITLE, lines, outcome.pictures, outcome.notes, outcome.tables)
+
+
+def table_lines(letter, table):
+    """Return the lines of a table, row by row."""
+    return [
+        measured(letter, f"{table.title}: {name}", column.quantity, column.unit, values)
+        for name, row in table.rows.items()
+        for column, values in zip(table.columns, row, strict=True)
+    ]

@@ -11,6 +11,7 @@ RULE = (
     "value lies within the middle half of the seeds. Near: within a factor of 2. Otherwise: not reproduced. "
     "A claim is put as a number too; it holds where the median is within 25 % of that number or range, else it does not hold."
 )
+_NEVER = 1e300  # later than all else, and still a number, so that quartiles can be taken
 
 
 class Item(NamedTuple):
@@ -40,6 +41,19 @@ def judged(paper, item, values):
     }  # fmt: skip
 
 
+def measured(paper, item, quantity, unit, values):
+    """Return the line of a number of ours that no paper states: the same dict without a paper's value. NaN says never: later than all others."""
+    values = np.asarray(values, dtype=float)
+    finite = values[np.isfinite(values)]
+    quartiles = np.percentile(np.where(np.isnan(values), _NEVER, values), [25, 50, 75])
+    q1, median, q3 = (float(each) if each < _NEVER / 100 else None for each in quartiles)
+    return {
+        "paper": paper, "item": item, "quantity": quantity, "unit": unit, "paper_value": None, "source": "",
+        "ours_mean": _number(np.mean, finite), "ours_sd": _number(_sd, finite), "ours_median": median, "ours_quartiles": [q1, q3],
+        "seeds": len(values), "verdict": NOT_STATED, "cause": "",
+    }  # fmt: skip
+
+
 def verdict(paper_value, values, is_claim=False):
     """Return what the RULE says of our values (seeds,) beside a paper's, which is a number or a range (low, high).
 
@@ -60,6 +74,7 @@ def verdict(paper_value, values, is_claim=False):
 
 
 REPRODUCED, NEAR, NOT_REPRODUCED, HOLDS, DOES_NOT_HOLD = "reproduced", "near", "not reproduced", "holds", "does not hold"
+NOT_STATED = "not stated"  # by the paper
 GOOD = (REPRODUCED, HOLDS)
 
 

@@ -3,9 +3,10 @@
 import json
 import re
 
+import numpy as np
 import pytest
 
-from gnsslab.reproduce.papers import MODULES, PAPERS, Picture, Reproduction, checked_letters
+from gnsslab.reproduce.papers import MODULES, PAPERS, Column, Picture, Reproduction, Table, checked_letters, usual_seeds
 from gnsslab.reproduce.report import report_html, report_json, tally
 from gnsslab.reproduce.rule import RULE, Item, judged
 
@@ -25,7 +26,7 @@ def test_what_is_no_paper_is_refused(letter, words):
 def test_a_paper_that_cannot_be_reproduced_yet_is_said_so():
     missing = [letter for letter in PAPERS if letter not in MODULES]
     for letter in missing:
-        with pytest.raises(ValueError, match=f"paper {letter} cannot be reproduced yet: there is A"):
+        with pytest.raises(ValueError, match=f"paper {letter} cannot be reproduced yet: there is A, B"):
             checked_letters([letter])
     assert missing, "all papers are there: then this test has nothing to check"
 
@@ -54,3 +55,19 @@ def test_the_numbers_are_the_lines_as_json(reproduction):
 
 def test_verdicts_are_counted(reproduction):
     assert tally(reproduction.lines) == "2 not reproduced"
+
+
+def test_tables_of_ours_stand_in_the_page_and_in_the_numbers(reproduction):
+    columns = (Column("lag", "epochs"), Column("missed", "%", is_share=True))
+    table = Table("At <rest>", "How & why.", columns, {"joint": (np.array([3.0, 5.0, np.nan]), np.array([0.0, 0.0, 100.0]))})
+    one = reproduction._replace(tables=(table,))
+    page = report_html([one], "gnsslab reproduce A")
+    for words in ("At &lt;rest&gt;", "How &amp; why.", "lag [epochs]", ">5<small>4 ± 1.41</small>", ">33.3</td>"):
+        assert words in page
+    lag, missed = json.loads(report_json([one]))[len(one.lines) :]
+    assert (lag["item"], lag["quantity"], lag["ours_median"], lag["paper_value"]) == ("At <rest>: joint", "lag", 5.0, None)
+    assert missed["ours_mean"] == pytest.approx(100 / 3)
+
+
+def test_each_paper_has_its_usual_number_of_seeds():
+    assert [usual_seeds(letter) for letter in MODULES] == [20, 30]

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from gnsslab.reproduce.rule import DOES_NOT_HOLD, HOLDS, NEAR, NOT_REPRODUCED, REPRODUCED, RULE, Item, judged, verdict
+from gnsslab.reproduce.rule import DOES_NOT_HOLD, HOLDS, NEAR, NOT_REPRODUCED, NOT_STATED, REPRODUCED, RULE, Item, judged, measured, verdict
 
 RANKS = {REPRODUCED: 0, NEAR: 1, NOT_REPRODUCED: 2}
 values_ = st.lists(st.floats(-100, 100).map(lambda x: round(x, 3)), min_size=1, max_size=9).map(np.array)
@@ -86,3 +86,13 @@ def test_a_line_says_what_it_was_judged_by():
 def test_the_rule_is_told_with_its_numbers():
     assert "25 %" in RULE
     assert "factor of 2" in RULE
+
+
+def test_what_never_came_is_later_than_all_that_did():
+    line = measured("B", "joint", "lag", "epochs", [4.0, np.nan, 2.0, np.nan, 3.0])
+    assert (line["ours_median"], line["ours_quartiles"], line["verdict"]) == (4.0, [3.0, None], NOT_STATED)
+    assert (line["ours_mean"], line["seeds"]) == (3.0, 5)
+    assert set(line) == set(judged("B", Item("joint", "lag", "epochs", 1.0, "s", "k"), [1.0]))
+    never = measured("B", "joint", "lag", "epochs", [1.0, np.nan, np.nan])
+    assert (never["ours_median"], never["ours_mean"]) == (None, 1.0)
+    json.dumps(never, allow_nan=False)
