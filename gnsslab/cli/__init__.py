@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from gnsslab.cli import answers, convert, course, data, doctor, grade, heading, info, reproduce, rtk, simulate, worksheet
+from gnsslab.cli import answers, convert, course, data, doctor, grade, heading, info, monitor, reproduce, rtk, simulate, worksheet
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 app = typer.Typer(
@@ -25,6 +25,7 @@ app.command("info", epilog=info.EXAMPLE)(info.info)
 app.command("heading", epilog=heading.EXAMPLE)(heading.heading)
 app.command("rtk", epilog=rtk.EXAMPLE)(rtk.rtk)
 app.command("convert", epilog=convert.EXAMPLE)(convert.convert)
+app.command("monitor", epilog=monitor.EXAMPLE)(monitor.monitor)
 app.command("simulate", epilog=simulate.EXAMPLE)(simulate.simulate)
 app.command("reproduce", epilog=reproduce.EXAMPLE)(reproduce.reproduce)
 app.add_typer(data.app, name="data", epilog=data.EXAMPLE)
@@ -76,4 +77,4 @@ def _say_version(wanted):
 def gnsslab(
     version: Annotated[bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Say the version and stop.")] = False,
 ):
-    """Precise GNSS by hand: carrier phase, integer ambiguities and attitude, in an interactive course."""
+    """Precise GNSS by hand: carrier phase, integers, attitude; a course and tools."""

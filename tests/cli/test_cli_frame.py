@@ -17,6 +17,7 @@ COMMANDS = (
     "info",
     "heading",
     "rtk",
+    "monitor",
     "convert",
     "simulate",
     "reproduce",
