@@ -6,16 +6,16 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from gnsslab.figures.kept import Scene, new_figure, styled
-from gnsslab.labs.denoisers import CM, DENOISERS, PRESET, STEP_AT
 
 RAW_COLOR, CHOSEN_COLOR, TRUTH_COLOR, MEAN_COLOR, LAG_COLOR = "#8C8C8C", "#0072B2", "#111111", "#D98200", "#A03070"
-LENGTH = np.linalg.norm(PRESET.baseline_enu)  # [m] before the step
+CM = 1e-2
 MINUTES = (-15.0, 60.0)  # of the lower panel, about the middle of the series
 MARGINS = (10.0, 6.0)  # [cm] that the upper and the lower panel show below the truth and above it
-WIDEST = (3, 4, 6, 8, 12)  # [cm], ends of the scale of errors
+WIDEST = (3.2, 4.5, 6, 8, 12)  # [cm], ends of the scale of errors
 AT_ONCE = {"facecolor": CHOSEN_COLOR, "edgecolor": CHOSEN_COLOR}
 LATER = {"facecolor": "#C3DEEF", "edgecolor": CHOSEN_COLOR, "hatch": "////"}
 SHOWN = {"facecolor": "none", "edgecolor": MEAN_COLOR, "linewidth": 1.8, "clip_on": False}
+ROWS = 10
 BAR = 0.62  # of a row
 EDGE = 1.265  # of the numbers at the right, in widths of the axes
 
@@ -33,7 +33,6 @@ def plot_denoising(result, figure=None):
 def build_series(figure):
     """Lay out the whole series and an hour about its middle; show(result) fills in solutions, truth and the method chosen."""
     whole, middle = _Panel(figure.add_axes((0.13, 0.54, 0.845, 0.35)), 2.0), _Panel(figure.add_axes((0.13, 0.09, 0.845, 0.36)), 3.4)
-    whole.axes.set_xlim(0, PRESET.epochs * PRESET.interval / 3600)
     whole.axes.xaxis.set_major_locator(MultipleLocator(1))
     whole.axes.set_xlabel("hours, all epochs", labelpad=1)
     middle.axes.set_xlim(*MINUTES)
@@ -44,11 +43,12 @@ def build_series(figure):
                   columnspacing=1.4, labelspacing=0.25)  # fmt: skip
 
     def show(result):
-        minutes = 60 * (result.hours - result.hours[STEP_AT])
+        minutes = 60 * (result.hours - result.hours[result.step_at])
         near = (minutes >= MINUTES[0]) & (minutes <= MINUTES[1])
         whole.show(result, result.hours, slice(None), MARGINS[0])
         middle.show(result, minutes, near, MARGINS[1])
         middle.show_lag(result)
+        whole.axes.set_xlim(0, result.hours[-1])
         return result.settings["step"]
 
     return Scene((*whole.moving, *middle.moving), show)
@@ -76,7 +76,7 @@ class _Panel:
     def show(self, result, x, part, margin):
         """Fill in the epochs of a part, `margin` [cm] about all that is true."""
         low, high = -margin, margin + result.settings["step"]
-        raw, chosen, truth = ((values - LENGTH) / CM for values in (result.lengths["raw"], result.lengths[result.chosen], result.truth))
+        raw, chosen, truth = ((values - result.truth[0]) / CM for values in (result.lengths["raw"], result.lengths[result.chosen], result.truth))
         for line, values in ((self.raw, raw), (self.chosen, chosen), (self.truth, truth)):
             line.set_data(x[part], values[part])
         is_counted = result.settings["criterion"] == "mean"
@@ -88,7 +88,7 @@ class _Panel:
     def show_lag(self, result):
         """Draw an upright line where 90 % of the step is reached; none where it never is."""
         epochs = result.lags.get(result.chosen, np.nan)
-        places = np.repeat(epochs * PRESET.interval / 60, 2) if np.isfinite(epochs) else []
+        places = np.repeat(epochs * 60 * result.hours[1], 2) if np.isfinite(epochs) else []
         self.lag.set_data(places, self.axes.get_ylim() if len(places) else [])
 
 
@@ -104,18 +104,17 @@ class _Ranking:
     """Bars of the errors of all methods, in the paper's order, and diamonds at the paper's own."""
 
     def __init__(self, axes):
-        self.axes, self.rows = axes, {name: -row for row, name in enumerate(DENOISERS)}
-        axes.set_ylim(-len(DENOISERS) + 0.45, 0.55)
-        axes.set_yticks(list(self.rows.values()), [one.label for one in DENOISERS.values()], fontsize=9.5)
-        axes.tick_params(left=False)
+        self.axes = axes
+        axes.set_ylim(0.45 - ROWS, 0.55)
+        axes.tick_params(left=False, axis="y", labelsize=9.5)
         axes.grid(False, axis="y")
-        axes.axhline(0.5 - sum(one.printed is not None for one in DENOISERS.values()), color="#BBBBBB", linewidth=0.8)
+        self.border = axes.axhline(0, color="#BBBBBB", linewidth=0.8)
         self.shown = axes.add_patch(Rectangle((-0.605, 0), 1.615, 0.92, transform=axes.get_yaxis_transform(), **SHOWN))
         self.bars = [axes.add_collection(PolyCollection([], linewidths=0.7, **style)) for style in (AT_ONCE, LATER)]
         (self.paper,) = axes.plot([], [], "D", color="white", markeredgecolor="#111111", markeredgewidth=1.6, markersize=7)
-        self.errors = [axes.text(0, row, "", fontsize=9.5, va="center_baseline") for row in self.rows.values()]
+        self.errors = [axes.text(0, -row, "", fontsize=9.5, va="center_baseline") for row in range(ROWS)]
         place = {"transform": axes.get_yaxis_transform(), "va": "center_baseline", "ha": "right", "fontsize": 9.5}
-        self.column = [axes.text(EDGE, row, "", **place) for row in self.rows.values()]
+        self.column = [axes.text(EDGE, -row, "", **place) for row in range(ROWS)]
         self.title = axes.text(EDGE, 0.62, "", **place | {"va": "bottom", "fontsize": 8.5, "color": "#444444"})
         self.paper.set_label("printed in the paper")
         self.named = [Patch(label="known at once", **AT_ONCE), Patch(label="needs later epochs", **LATER), self.paper,
@@ -124,50 +123,53 @@ class _Ranking:
     @property
     def moving(self):
         """The artists that change with every result, lowest first."""
-        return (self.shown, *self.bars, self.paper, *self.errors, *self.column, self.title)
+        return (self.border, self.shown, *self.bars, self.paper, *self.errors, *self.column, self.title)
 
     def show(self, result):
         """Fill in all rows; return the scale and the criterion, which are the frame."""
-        errors = result.counted
-        later = {name for name in errors if DENOISERS[name].ahead(result.settings)}
+        errors, height = result.counted, {name: -row for row, name in enumerate(result.rows)}
+        later = {name for name in errors if result.rows[name].is_later}
         for bars, names in zip(self.bars, (errors.keys() - later, later), strict=True):
-            bars.set_verts([_bar(self.rows[name], errors[name]) for name in sorted(names)])
-        self.shown.set_y(self.rows[result.chosen] - 0.46)
-        printed = {name: one.printed for name, one in DENOISERS.items() if one.printed}
-        self.paper.set_data(list(printed.values()), [self.rows[name] for name in printed])
+            bars.set_verts([_bar(height[name], errors[name]) for name in sorted(names)])
+        self.shown.set_y(height[result.chosen] - 0.46)
+        printed = {name: row.printed for name, row in result.rows.items() if row.printed}
+        self.paper.set_data(list(printed.values()), [height[name] for name in printed])
+        self.border.set_ydata([0.5 - len(printed)] * 2)
         end = next((end for end in WIDEST if max(errors.values()) < 0.85 * end), WIDEST[-1])
-        self._write_errors(errors, printed, end)
-        self._write_column(printed, result.lags)
-        return self._label(end, result.settings["criterion"])
+        self._write_errors(result, end)
+        self._write_column(result, printed)
+        return self._label(result, end)
 
-    def _write_errors(self, errors, printed, end):
+    def _write_errors(self, result, end):
         """Write errors right of bar and diamond."""
-        for name, text in zip(self.rows, self.errors, strict=True):
-            right = max(errors.get(name, 0.0), printed[name] + 0.03 * end if name in printed else 0.0)
-            text.set_x(right + 0.025 * end)
-            text.set_text(f"{errors[name]:.2f}" if name in errors else "if shown")
+        for (name, row), text in zip(result.rows.items(), self.errors, strict=True):
+            error = result.counted.get(name)
+            text.set_x(max(error or 0.0, row.printed + 0.03 * end if row.printed else 0.0) + 0.025 * end)
+            text.set_text("if shown" if error is None else f"{error:.2f}")
 
-    def _write_column(self, printed, lags):
+    def _write_column(self, result, printed):
         """Write lags at the edge; without a step what the paper prints."""
+        lags = result.lags
         words = {name: _lag_words(late) for name, late in lags.items()} if lags else {name: f"{value:.2f}" for name, value in printed.items()}
-        for name, text in zip(self.rows, self.column, strict=True):
+        for name, text in zip(result.rows, self.column, strict=True):
             text.set_text(words.get(name, ""))
         self.title.set_text("lag to 90 %,\nepochs" if lags else "paper [cm],\nown mean")
 
-    def _label(self, end, criterion):
-        about = "the series' own mean" if criterion == "mean" else "the known truth"
+    def _label(self, result, end):
+        about = "the series' own mean" if result.settings["criterion"] == "mean" else "the known truth"
+        self.axes.set_yticks(range(0, -ROWS, -1), [row.label for row in result.rows.values()])
         self.axes.set_xlim(0, end)
         self.axes.set_xlabel(f"RMSE about {about} [cm]", labelpad=2)
-        return end, criterion
+        return end, about
 
 
 def describe_denoising(result):
     """Return the pictures in words, for those who cannot see them."""
-    used, chosen = result.settings, DENOISERS[result.chosen].label
+    used, chosen = result.settings, result.rows[result.chosen].label
     step = f"a step of {used['step']:g} cm in the middle" if used["step"] else "nothing moves"
     about = "its own mean" if used["criterion"] == "mean" else "the known truth"
-    errors = ", ".join(f"{DENOISERS[name].label} {error:.2f}" for name, error in result.counted.items())
-    late = f" {chosen} reaches 90 % of the step: {_lag_words(result.lags[result.chosen])} epochs." if result.chosen in result.lags else ""
+    errors = ", ".join(f"{result.rows[name].label} {error:.2f}" for name, error in result.counted.items())
+    late = f" Epochs until {chosen} has 90 % of the step: {_lag_words(result.lags[result.chosen])}." if result.chosen in result.lags else ""
     return (
         f"The length of a baseline over {len(result.truth)} epochs, {step}: raw solutions as dots, {chosen} as a line through them. "
         f"Beside it the RMSE of each method about {about}, in centimetres: {errors}.{late}"

@@ -48,6 +48,14 @@ class Denoiser:
     printed: float | None = None  # [cm] RMSE in the paper's tables 1 and 2
 
 
+class Row(NamedTuple):
+    """What a picture says of a method."""
+
+    label: str
+    printed: float | None  # [cm] RMSE in the paper's tables 1 and 2
+    is_later: bool  # it needs epochs that come later
+
+
 class DenoisedSeries:
     """Series and what the methods make of them, kept by all that they depend on: one lab's own."""
 
@@ -61,6 +69,11 @@ class DenoisedSeries:
 
     def _denoise(self, scene, name, used):
         return DENOISERS[name].denoise(self.simulated(scene).series, dict(used))
+
+
+def rows(settings):
+    """Return the Row of each of DENOISERS, by name."""
+    return {name: Row(one.label, one.printed, one.ahead(settings) != 0) for name, one in DENOISERS.items()}
 
 
 def _simulated(scene):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gnsslab.labs.controls import Choice, Slider
-from gnsslab.labs.denoisers import CM, DENOISERS, DIRECTION, PRESET, STEP_AT, WHOLE_SERIES, DenoisedSeries, Scene, weights
+from gnsslab.labs.denoisers import CM, DENOISERS, DIRECTION, PRESET, STEP_AT, WHOLE_SERIES, DenoisedSeries, Scene, rows, weights
 from gnsslab.labs.lab import Drawing, Goal, Lab, Preset, Readout, standing
 from gnsslab.systems.criteria import lag, lengths, rmse_about_mean, rmse_about_truth, step_response
 
@@ -80,6 +80,8 @@ class DenoisingResult:
     about_mean: dict  # [cm] RMSE, paper B (22)
     about_truth: dict  # [cm] RMSE
     lags: dict  # [epochs] to 90 % of the step, NaN where it is never reached; empty without a step
+    rows: dict  # Row of each method, by name
+    step_at: int  # epoch in the middle, that of the step
     weight: float  # w of an epoch in the adjustment, the median
     problem: str = ""
     note: str = ""
@@ -115,6 +117,8 @@ class DenoisingEngine:
             about_mean={name: rmse_about_mean(values) / CM for name, values in found.items()},
             about_truth={name: rmse_about_truth(values, truth) / CM for name, values in found.items()},
             lags={name: self._lag(scene, name, settings) for name in names if scene.step > 0 and name != SLOW},
+            rows=rows(settings),
+            step_at=STEP_AT,
             weight=float(np.median(weights(campaign.series, settings))),
         )
 

@@ -7,7 +7,7 @@ import pytest
 
 from gnsslab.figures.denoising import build_ranking, build_series, describe_denoising, plot_denoising
 from gnsslab.figures.kept import KeptPicture, new_figure
-from gnsslab.labs.denoisers import DENOISERS, PRESET, STEP_AT
+from gnsslab.labs.denoisers import DENOISERS, PRESET, STEP_AT, rows
 
 SETTINGS = {"step": 0, "criterion": "mean", "method": "joint", "average": 15}
 
@@ -24,7 +24,7 @@ def _result(raw=None, lags=None, **settings):
     by_truth = {name: 0.3 * (k + 1) for k, name in enumerate(names)}
     return SimpleNamespace(
         settings=used, hours=np.arange(T) * 15 / 3600, truth=truth, lengths=values, lags=lags or {}, chosen=used["method"],
-        counted=errors if used["criterion"] == "mean" else by_truth,
+        rows=rows(used), step_at=STEP_AT, counted=errors if used["criterion"] == "mean" else by_truth,
     )  # fmt: skip
 
 
@@ -138,7 +138,7 @@ def test_words_for_the_picture():
     words = describe_denoising(_result(step=3, criterion="truth", lags={"joint": 52.0}))
     assert "a step of 3 cm" in words
     assert "about the known truth" in words
-    assert "joint reaches 90 % of the step: 52 epochs." in words
+    assert "Epochs until joint has 90 % of the step: 52." in words
 
 
 def test_read_only_arrays_serve():
