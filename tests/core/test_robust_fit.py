@@ -72,7 +72,7 @@ def test_units_origin_and_order_do_not_matter(seed, weight, unit, shift):
 
 @pytest.mark.parametrize("weight", ROBUST)
 def test_standard_errors_are_those_counted_in_clean_and_wild_noise(weight, rng):
-    N, T = 200, 40
+    N, T = 120, 40
     t = rng.uniform(0, 10, T)
     for wild in (0.0, 0.1):
         y = rng.standard_normal((N, T)) * np.where(rng.random((N, T)) < wild, 10.0, 1.0)
@@ -81,12 +81,12 @@ def test_standard_errors_are_those_counted_in_clean_and_wild_noise(weight, rng):
             ([fit.rate for fit in trends], [fit.sigma_rate for fit in trends]),
             ([fit.level for fit in levels], [fit.sigma_level for fit in levels]),
         ):
-            assert np.median(claimed) == pytest.approx(np.std(found), rel=0.25)  # 4 sigma of a deviation from 200: 0.2
+            assert np.median(claimed) == pytest.approx(np.std(found), rel=0.3)  # 4 sigma of a deviation from 120: 0.26
 
 
 def test_the_usual_thresholds_cost_five_percent_and_save_the_rest(rng):
     """In normal noise Huber's level has 1 / 0.95 of the mean's variance; one value of ten wild, and the mean is worse by far."""
-    clean = rng.standard_normal((800, 50))
+    clean = rng.standard_normal((500, 50))
     spoilt = clean + 30.0 * (np.arange(50) < 5)
     ratio = np.var([robust_level(row, huber(1.345)).level for row in clean]) / np.var(clean.mean(axis=1))
     assert 1.0 < ratio < 1.12
