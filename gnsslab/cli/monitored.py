@@ -30,8 +30,8 @@ def summary(monitored):
     return [
         f"{counted(len(monitored.time), 'epoch')}: {_flags(monitored)}",
         *_missing(monitored.time),
-        *_cut([_step(step) for step in monitored.steps], "steps"),
-        *_cut(_alarms(monitored), "alarms"),
+        *_steps(monitored.steps),
+        *_alarms(monitored),
     ]
 
 
@@ -66,6 +66,14 @@ def _missing(time):
     return [f"usual interval {usual:g} s; {counted(len(missing), 'longer one')}, the longest {after[longest]:g} s from {iso_text(time[longest])}"]
 
 
+def _steps(steps):
+    """Tell the steps in order of time; of many, the largest."""
+    if len(steps) <= SHOWN:
+        return [_step(step) for step in steps]
+    largest = sorted(steps, key=lambda step: -np.linalg.norm(step.size))[:SHOWN]
+    return [f"the largest {SHOWN} of them:", *(_step(step) for step in sorted(largest, key=lambda step: step.first))]
+
+
 def _step(step):
     sizes = (f"{axis} {1e3 * size:+.1f} mm (sigma {1e3 * sigma:.1f})" for axis, size, sigma in zip(AXES, step.size, step.sigma, strict=True))
     return f"step at {iso_text(step.time)}: {', '.join(sizes)}; found {counted(step.found - step.first, 'epoch')} later"
@@ -75,8 +83,5 @@ def _alarms(monitored):
     edges = np.diff(np.concatenate([[0], monitored.alarm.astype(int), [0]]))
     spans = zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1, strict=True)
     lines = [f"alarm from {iso_text(monitored.time[a])} to {iso_text(monitored.time[b])} ({counted(b - a + 1, 'epoch')})" for a, b in spans]
-    return lines or ["no alarm"]
-
-
-def _cut(lines, what):
-    return lines if len(lines) <= SHOWN else [*lines[:SHOWN], f"and {len(lines) - SHOWN} more {what}, in the table"]
+    more = [f"and {len(lines) - SHOWN} alarms more, in the table"] if len(lines) > SHOWN else []
+    return [*lines[:SHOWN], *more] or ["no alarm"]

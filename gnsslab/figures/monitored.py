@@ -10,7 +10,7 @@ from gnsslab.systems.monitoring import Flag
 
 DRAWN_ONE_BY_ONE = 20_000  # epochs; more cover each other and take long to draw
 STRETCHES = 1500  # of a longer series, each drawn from its lowest to its highest value: a panel is some 1500 pixels wide on a projector
-STEPS_LABELLED = 5  # more would write over each other
+LABEL_ROOM = 0.14  # of the width of a panel: sizes nearer to each other would overlap
 ROOM = 0.08  # of the height of a panel, above and below
 RAW = {"color": "#8A94A0", "marker": ".", "markersize": 3.2, "linestyle": "", "label": "epochs"}
 RANGE = {"color": "#8A94A0", "alpha": 0.6, "linewidth": 0.5, "label": "epochs, lowest to highest"}
@@ -19,6 +19,8 @@ BEYOND = {"color": "#D55E00", "markersize": 6, "linestyle": ""}
 LEVEL = {"color": "#0072B2", "linewidth": 1.8, "label": "filtered"}
 BAND = {"color": "#56B4E9", "alpha": 0.45, "linewidth": 0, "label": "1 sigma"}
 STEP = {"color": "#111111", "linestyle": (0, (5, 3)), "linewidth": 1.4}
+SMALL_STEP = {"color": "#111111", "linestyle": (0, (2, 4)), "linewidth": 0.7, "alpha": 0.7}
+PATCH = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1}  # behind a size, where lines of smaller steps pass
 ALARM = {"facecolor": "#F0E442", "edgecolor": "#A03070", "hatch": "////", "linewidth": 0.8, "label": "alarm"}
 
 
@@ -123,15 +125,25 @@ def _one_a_pixel(days):
 
 
 def _steps(panel, days, steps, axis, scale):
-    """Draw a line at each step, the size beside the largest of them."""
-    largest = sorted(steps, key=lambda step: -np.linalg.norm(step.size))[:STEPS_LABELLED]
-    for k, step in enumerate(steps):
+    """Draw a line at each step; the largest that do not crowd each other are bold and carry their size."""
+    labelled = labelled_steps(steps, days)
+    for step in steps:
+        if step not in labelled:
+            panel.axvline(days[step.first], **SMALL_STEP)
+    for k, step in enumerate(labelled):
         panel.axvline(days[step.first], label="step" if k == 0 else None, **STEP)
-        if step in largest:
-            late = days[step.first] > (days[0] + days[-1]) / 2
-            words = f" {step.size[axis] / scale.metres:+.1f} {scale.name} "
-            place = {"x": days[step.first], "y": 0.97, "ha": "right" if late else "left", "va": "top"}
-            panel.text(s=words, transform=panel.get_xaxis_transform(), fontsize=10, fontweight="bold", **place)
+        late = days[step.first] > days[0] + (1 - LABEL_ROOM) * (days[-1] - days[0])
+        place = {"x": days[step.first], "y": 0.97, "ha": "right" if late else "left", "va": "top", "fontsize": 10, "fontweight": "bold"}
+        panel.text(bbox=PATCH, s=f" {step.size[axis] / scale.metres:+.1f} {scale.name} ", transform=panel.get_xaxis_transform(), **place)
+
+
+def labelled_steps(steps, days):
+    """Return the largest steps that stand far enough from each other for their sizes to be written; the largest first."""
+    chosen, room = [], LABEL_ROOM * (days[-1] - days[0])
+    for step in sorted(steps, key=lambda step: -np.linalg.norm(step.size)):
+        if all(abs(days[step.first] - days[other.first]) >= room for other in chosen):
+            chosen.append(step)
+    return chosen
 
 
 def _alarms(panel, days, alarm):

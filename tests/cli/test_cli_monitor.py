@@ -4,10 +4,12 @@ import csv
 import inspect
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from gnsslab.cli.monitored import summary
 from gnsslab.gnss.series_files import read_series
 
 COLUMNS = [
@@ -97,6 +99,19 @@ def test_a_step_raises_the_alarm(made):
     assert rows[-1][-1] == "1"
     assert not any(row[-1] == "1" for row in rows[: STEP_AT - 1])
     assert re.search(r"alarm from 2024-06-24T02:\d\d:\d\d.000 to ", said)
+
+
+def test_of_many_steps_and_alarms_the_first_are_told():
+    T = 400
+    time = np.datetime64("2024-01-01", "ns") + np.arange(T) * np.timedelta64(1, "s")
+    steps = tuple(SimpleNamespace(time=time[k], first=k, found=k + 2, size=np.array([k * 1e-3, 0, 0]), sigma=np.full(3, 1e-3)) for k in range(30))
+    told = summary(SimpleNamespace(time=time, flag=np.zeros(T), alarm=np.arange(T) % 2 == 1, steps=steps))
+    assert told[0] == "400 epochs: 0 outliers, 30 steps, 0 without solution"
+    assert told[1] == "the largest 20 of them:"
+    assert told[2].startswith("step at 2024-01-01T00:00:10.000: east +10.0 mm (sigma 1.0), north +0.0 mm")
+    assert told[21].endswith("found 2 epochs later")
+    assert told[22] == "alarm from 2024-01-01T00:00:01.000 to 2024-01-01T00:00:01.000 (1 epoch)"
+    assert told[42:] == ["and 180 alarms more, in the table"]
 
 
 def test_the_record_says_what_made_it(made, table):

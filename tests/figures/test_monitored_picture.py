@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gnsslab.figures.monitored import DRAWN_ONE_BY_ONE, STRETCHES, alarm_spans, lowest_and_highest, plot_monitored, stretch_of
+from gnsslab.figures.monitored import DRAWN_ONE_BY_ONE, STRETCHES, alarm_spans, labelled_steps, lowest_and_highest, plot_monitored, stretch_of
 from gnsslab.systems.monitoring import Flag
 
 
@@ -69,6 +69,15 @@ def test_steps_carry_their_sizes_and_the_axis_its_unit(rng):
     figure = plot_monitored(monitored(100, rng, steps=(step,)))
     assert [panel.get_ylabel() for panel in figure.axes] == ["east [mm]", "north [mm]", "up [mm]"]
     assert [text.strip() for text in texts_of(figure)] == ["+36.0 mm", "-21.0 mm", "+0.0 mm"]
+
+
+def test_of_steps_that_crowd_the_largest_is_labelled(rng):
+    steps = tuple(SimpleNamespace(first=40 + k, size=np.array([size, 0.0, 0.0])) for k, size in enumerate([0.01, -0.05, 0.02, 0.03]))
+    far = SimpleNamespace(first=90, size=np.array([0.001, 0.0, 0.0]))
+    assert labelled_steps((*steps, far), np.arange(100.0)) == [steps[1], far]
+    figure = plot_monitored(monitored(100, rng, steps=(*steps, far)))
+    assert [text.strip() for text in texts_of(figure)][:2] == ["-50.0 mm", "+1.0 mm"]
+    assert len(figure.axes[0].lines) >= 5
 
 
 def test_outliers_do_not_set_the_scale(rng):
