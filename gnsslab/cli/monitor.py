@@ -12,8 +12,10 @@ Series = Annotated[str, typer.Argument(metavar="SERIES", hidden=True)]
 Output = Annotated[str, typer.Option("-o", "--output", metavar="OUT.csv", help="Table to write.")]
 Columns = Annotated[str | None, typer.Option("--columns", metavar="NAMES", show_default=False, help="What SERIES's columns are: time,north,east,up.")]
 Unit = Annotated[str | None, typer.Option("--unit", metavar="mm", show_default=False, help="Unit of its positions: m, cm or mm [m].")]
-Alarm = Annotated[float, typer.Option("--alarm", metavar="M", show_default=False, help="Displacement that the alarm is for [0.02 m].")]
-Memory = Annotated[float, typer.Option("--memory", metavar="N", show_default=False, help="Epochs over which the level is averaged [300].")]
+Alarm = Annotated[float | None, typer.Option("--alarm", metavar="M", show_default=False, help="Displacement that the alarm is for [0.02 m].")]
+Memory = Annotated[
+    float | None, typer.Option("--memory", metavar="N", show_default=False, help="Epochs that the level is taken from: more, smoother.")
+]
 
 
 def monitor(
@@ -23,14 +25,19 @@ def monitor(
     plot: o.Plot = None,
     columns: Columns = None,
     unit: Unit = None,
-    alarm: Alarm = 0.02,
-    memory: Memory = 300.0,
+    alarm: Alarm = None,
+    memory: Memory = None,
     start: o.Start = None,
     end: o.End = None,
 ):
     """Filter SERIES (our CSV, RTKLIB's .pos, or a table of time, east, north, up); find outliers and steps."""
-    chosen = {"alarm": o.positive("--alarm", alarm, "metres"), "memory": o.positive("--memory", memory, "a number of epochs")}
+    chosen = _chosen(alarm=(alarm, "metres"), memory=(memory, "a number of epochs"))
     _monitor(context.params, series, o.checked_span(start, end, None), (columns, unit), chosen, output, plot)
+
+
+def _chosen(**options):
+    """Return the settings that were given; of the others the filter knows its own."""
+    return {name: o.positive(f"--{name}", value, unit) for name, (value, unit) in options.items() if value is not None}
 
 
 def _monitor(given, path, span, naming, chosen, output, plot):

@@ -1,7 +1,6 @@
 """`gnsslab monitor`: its table, what it says, its record and picture, and one plain sentence for what is wrong."""
 
 import csv
-import inspect
 import json
 import re
 from types import SimpleNamespace
@@ -134,16 +133,14 @@ def test_a_span_and_named_columns(run, table, tmp_path):
     assert rows[0].split(",")[1:4] == [source[2], source[1], source[3]]
 
 
-def test_defaults_are_those_of_the_filter(run):
-    from gnsslab.cli import monitor
+def test_settings_are_the_filters_own_unless_given(run, table, tmp_path):
     from gnsslab.systems.monitoring import MonitorSettings
 
-    text = run("monitor", "--help").out
-    defaults = MonitorSettings()
-    options = {name: parameter.default for name, parameter in inspect.signature(monitor.monitor).parameters.items()}
-    for name in ("alarm", "memory"):
-        assert options[name] == getattr(defaults, name)
-        assert re.search(rf"--{name} .*\[{getattr(defaults, name):g}\b", text)
+    assert f"[{MonitorSettings().alarm:g} m]" in run("monitor", "--help").out
+    for options, settings in (((), MonitorSettings()), (("--alarm", "0.5", "--memory", "100"), MonitorSettings(alarm=0.5, memory=100.0))):
+        answer = run("monitor", table, "-o", tmp_path / "o.csv", *options)
+        assert json.loads((tmp_path / "o.csv.json").read_text())["method"] == repr(settings)
+    assert "no alarm" in answer.out  # a step of 10 cm is no matter where the alarm is for half a metre
 
 
 @pytest.mark.parametrize(
