@@ -11,7 +11,7 @@ from pathlib import Path
 from queue import Empty, Queue
 
 import pytest
-from stages import SharedLesson, stage
+from stages import SharedLesson, Visitor, stage
 
 from gnsslab.teaching.catalogue import find_lesson
 
@@ -95,52 +95,49 @@ def visit(chromium, course, progress_folder):
 
     When the test ends, no console error and no request that left the machine may stand in the page's records.
     """
-    contexts, troubles = [], []
     _forget_answers(progress_folder)
+    visitor = Visitor(chromium, course)
+    yield visitor.open
+    visitor.leave()
+    assert not visitor.troubles
 
-    def open_page(path="/", width=1280, height=900, scheme="light"):
-        context = chromium.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
-        contexts.append(context)
-        return _open(context, course, path, troubles)
 
-    yield open_page
-    for context in contexts:
-        context.close()
-    assert not troubles
+@pytest.fixture(scope="module")
+def visitor(chromium, course, progress_folder):
+    """A `Visitor` for all tests of a file; no answer was given before."""
+    _forget_answers(progress_folder)
+    visitor = Visitor(chromium, course)
+    yield visitor
+    visitor.leave()
+    assert not visitor.troubles
 
 
 @pytest.fixture
-def open_labs(visit, shared_labs):
+def open_labs(visit, visitor, shared_labs):
     """A function that opens a lesson, predicts one of its options and returns the page once all labs stand.
 
     A lesson without a query is opened once for all tests of a file; each finds the labs as they were at first.
     """
-    open_shared, troubles = shared_labs
 
     def opened(number, option, query="", **how):
         if query or how:
             return _with_labs(visit(find_lesson(number).address + query, **how), number, option)
-        return open_shared(number, option).restored(PATIENCE)
+        return shared_labs(number, option).restored(PATIENCE)
 
     yield opened
-    assert not troubles
+    assert not visitor.troubles
 
 
 @pytest.fixture(scope="module")
-def shared_labs(chromium, course, progress_folder):
-    """A function from a lesson's number and an option to its `SharedLesson`, and what went wrong on such pages."""
-    contexts, troubles = [], []
+def shared_labs(visitor):
+    """A function from a lesson's number and an option to its `SharedLesson`."""
 
     @cache
     def opened(number, option):
-        _forget_answers(progress_folder)
-        contexts.append(chromium.new_context(viewport={"width": 1280, "height": 900}))
-        page = _open(contexts[-1], course, find_lesson(number).address, troubles)
-        return SharedLesson(_with_labs(page, number, option), find_lesson(number))
+        page = _with_labs(visitor.open(find_lesson(number).address), number, option)
+        return SharedLesson(page, find_lesson(number))
 
-    yield opened, troubles
-    for context in contexts:
-        context.close()
+    return opened
 
 
 def _with_labs(page, number, option):
@@ -151,20 +148,6 @@ def _with_labs(page, number, option):
     return page
 
 
-def _open(context, course, path, troubles):
-    """Return the page of an address of the course; what its console says, and whom it asks beyond the course, becomes trouble."""
-    page = context.new_page()
-    page.on("console", lambda message: troubles.append(f"console: {message.text}") if message.type == "error" else None)
-    page.on("pageerror", lambda error: troubles.append(f"page error: {error}"))
-    page.on("request", lambda request: troubles.append(f"left the machine: {request.url}") if _is_foreign(request.url, course) else None)
-    page.goto(course.rstrip("/") + path)
-    return page
-
-
 def _forget_answers(progress_folder):
     for file in progress_folder.iterdir():
         file.unlink()
-
-
-def _is_foreign(url, course):
-    return not url.startswith((course, course.replace("http:", "ws:"), "data:", "blob:"))

@@ -1,4 +1,4 @@
-"""What belongs to one lab on a lesson's page."""
+"""Pages of the course, and what belongs to one lab on a lesson's page."""
 
 import time
 
@@ -26,6 +26,38 @@ def await_change(page, lab, before, patience):
         assert time.monotonic() < deadline, "nothing changed"
         page.wait_for_timeout(20)
     return readouts(page, lab)
+
+
+class Visitor:
+    """Opens addresses of a course, each in a browser context of its own, and notes what goes wrong in their pages."""
+
+    def __init__(self, browser, course):
+        self.browser = browser
+        self.course = course
+        self.contexts = []
+        self.troubles = []  # console errors, and requests that left the machine
+
+    def open(self, path="/", width=1280, height=900, scheme="light"):
+        """Return the page of an address, in a fresh context."""
+        context = self.browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
+        self.contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda message: self._note(f"console: {message.text}") if message.type == "error" else None)
+        page.on("pageerror", lambda error: self._note(f"page error: {error}"))
+        page.on("request", lambda request: self._note(f"left the machine: {request.url}") if self._is_foreign(request.url) else None)
+        page.goto(self.course.rstrip("/") + path)
+        return page
+
+    def leave(self):
+        """Close all pages."""
+        for context in self.contexts:
+            context.close()
+
+    def _note(self, trouble):
+        self.troubles.append(trouble)
+
+    def _is_foreign(self, url):
+        return not url.startswith((self.course, self.course.replace("http:", "ws:"), "data:", "blob:"))
 
 
 class SharedLesson:
