@@ -16,13 +16,27 @@ repairing the past is the "detection, identification, adaptation" of Teunissen (
 import math
 
 from gnsslab.core.jit import kernel, matrix
-from gnsslab.core.level_filter import COLOURED, LEVEL, P_BOTH, P_COLOUR, P_LEVEL, STATE_SIZE, WHITE, innovation, innovation_variance, predict, update
+from gnsslab.core.level_filter import (
+    COLOURED,
+    LEVEL,
+    P_RR,
+    P_XX,
+    RATE,
+    STATE_SIZE,
+    WHITE,
+    gains,
+    innovation,
+    innovation_variance,
+    predict,
+    update,
+)  # fmt: skip
 
 AXES = 3
 OK, OUTLIER, STEP, GAP = range(4)
-LEFT_LEVEL, LEFT_COLOUR, EXPLAINED, POWER = range(4)  # of a unit step on one axis: not yet taken up by level and colour; A; B
-EFFECT_SIZE = 4
+LEFT_LEVEL, LEFT_RATE, LEFT_COLOUR, EXPLAINED, POWER = range(5)  # of a unit step on one axis: what the states have not yet taken up; A; B
+EFFECT_SIZE = 5
 GROSS_SCALE = 5.0  # [sigma] from here on the likelihood of a gross error falls
+AFTERSLIP = 0.01  # of its size, an epoch: how fast the ground may go on after a step
 NO_STEP = -1
 
 
@@ -30,13 +44,13 @@ NO_STEP = -1
 def follow(z, dt, noise, settings, memory, first, last, out):
     """Filter epochs `first` to `last` - 1 of positions z (T, 3), NaN where there is none, `dt` (T,) epochs after the one before.
 
-    noise (3, 4), see `level_filter`. settings: clip, outlier, lost, width, pretest, threshold, settling, fewest. memory: state (3, 5), effects
-    (W, 12), saved (W, 15), starts (W,), count (1,), which go on from call to call; W is how many epochs back a step may lie.
-    out: level (T, 3), sigma (T, 3), flag (T,), start (T,): the first epoch of a step found at an epoch, else NO_STEP.
+    noise (3, 4), see `level_filter`. settings: clip, outlier, lost, width, pretest, threshold, settling, fewest. memory: state (3, 9), effects
+    (W, 15), saved (W, 27), starts (W,), count (1,), which go on from call to call; W is how many epochs back a step may lie.
+    out: level, its sigma, rate, its sigma (T, 3), flag (T,), start (T,): the first epoch of a step found at an epoch, else NO_STEP.
     """
     clip, outlier, lost, width, pretest, threshold, settling, fewest = settings
     state, effects, saved, starts, count = memory
-    level, sigma, flag, start = out
+    level, sigma, rate, sigma_rate, flag, start = out
     for k in range(first, last):
         start[k] = NO_STEP
         _predict_all(state, effects, noise, dt[k])
@@ -56,7 +70,8 @@ def follow(z, dt, noise, settings, memory, first, last, out):
                     for c in range(len(starts)):
                         starts[c] = NO_STEP
         for axis in range(AXES):
-            level[k][axis], sigma[k][axis] = state[axis][LEVEL], math.sqrt(state[axis][P_LEVEL])
+            level[k][axis], sigma[k][axis] = state[axis][LEVEL], math.sqrt(state[axis][P_XX])
+            rate[k][axis], sigma_rate[k][axis] = state[axis][RATE], math.sqrt(state[axis][P_RR])
 
 
 @kernel
@@ -64,7 +79,9 @@ def _predict_all(state, effects, noise, dt):
     for axis in range(AXES):
         a = predict(state[axis], noise[axis], dt)
         for c in range(len(effects)):
-            effects[c][EFFECT_SIZE * axis + LEFT_COLOUR] *= a
+            effect, i = effects[c], EFFECT_SIZE * axis
+            effect[i + LEFT_LEVEL] += dt * effect[i + LEFT_RATE]
+            effect[i + LEFT_COLOUR] *= a
 
 
 @kernel
@@ -95,11 +112,10 @@ def _take_up(state, effects, noise, z, weight, starts, k, fewest):
     most, which = 0.0, 0
     for axis in range(AXES):
         S, v = innovation_variance(state[axis], noise[axis]), weight * innovation(state[axis], z[axis])
-        gain_level = (state[axis][P_LEVEL] + state[axis][P_BOTH]) / S
-        gain_colour = (state[axis][P_BOTH] + state[axis][P_COLOUR]) / S
+        on_level, on_rate, on_colour = gains(state[axis], S)
         update(state[axis], S, v)
         for c in range(len(effects)):
-            _weigh(effects[c], EFFECT_SIZE * axis, v, S, gain_level, gain_colour)
+            _weigh(effects[c], EFFECT_SIZE * axis, v, S, on_level, on_rate, on_colour)
     for c in range(len(effects)):
         if starts[c] >= 0 and k - starts[c] >= fewest - 1:
             gain = _explained(effects[c])
@@ -109,12 +125,13 @@ def _take_up(state, effects, noise, z, weight, starts, k, fewest):
 
 
 @kernel
-def _weigh(effect, i, v, S, gain_level, gain_colour):
+def _weigh(effect, i, v, S, on_level, on_rate, on_colour):
     g = effect[i + LEFT_LEVEL] + effect[i + LEFT_COLOUR]
     effect[i + EXPLAINED] += g * v / S
     effect[i + POWER] += g * g / S
-    effect[i + LEFT_LEVEL] -= gain_level * g
-    effect[i + LEFT_COLOUR] -= gain_colour * g
+    effect[i + LEFT_LEVEL] -= on_level * g
+    effect[i + LEFT_RATE] -= on_rate * g
+    effect[i + LEFT_COLOUR] -= on_colour * g
 
 
 @kernel
@@ -174,16 +191,24 @@ def _replay(z, dt, noise, trial, j, k, clip, lost, width):
             weight = min(1.0, clip / max(math.sqrt(_misfit(trial, noise, z[i])), clip))
             if i == j and width > 0.0:
                 weight = 1.0
-                _widen(trial, noise, 100.0 * width)
+                _begin_anew(trial, noise, z[i], width)
             for axis in range(AXES):
                 update(trial[axis], innovation_variance(trial[axis], noise[axis]), weight * innovation(trial[axis], z[i][axis]))
     return total
 
 
 @kernel
+def _begin_anew(trial, noise, z, width):
+    """Let the level be what the solution z (3,) says, and its rate as uncertain as the step is large."""
+    _widen(trial, noise, 100.0 * width)
+    for axis in range(AXES):
+        trial[axis][P_RR] += (AFTERSLIP * innovation(trial[axis], z[axis])) ** 2
+
+
+@kernel
 def _widen(trial, noise, width):
     for axis in range(AXES):
-        trial[axis][P_LEVEL] += width * width * (noise[axis][WHITE] + noise[axis][COLOURED])
+        trial[axis][P_XX] += width * width * (noise[axis][WHITE] + noise[axis][COLOURED])
 
 
 @kernel

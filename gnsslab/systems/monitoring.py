@@ -13,7 +13,7 @@ import numpy as np
 from gnsslab.core import step_test
 from gnsslab.core.coloured_noise import learn_noise
 from gnsslab.core.jit import kernel_input, matrix, vector
-from gnsslab.core.level_filter import P_COLOUR, P_LEVEL, STATE_SIZE
+from gnsslab.core.level_filter import P_RR, P_UU, P_XX, STATE_SIZE
 from gnsslab.gnss.relative import Status
 from gnsslab.gnss.times import iso_text, usual_step
 
@@ -39,9 +39,9 @@ class Flag(IntEnum):
 class MonitorSettings:
     """Settings of the monitoring filter; epochs are of the series' usual interval. What is above `alarm` was chosen on simulated series."""
 
-    memory: float = 300.0  # [epochs] over which the level is averaged
+    memory: float = 600.0  # [epochs] over which level and rate are fitted
     threshold: float = 6.0  # log likelihood by which a step must be the better story
-    window: int = 32  # [epochs] a step is found within so many, or taken for a slow change
+    window: int = 64  # [epochs] a step is found within so many, or taken for a slow change
     fewest: int = 3  # epochs with a solution, the first one of the step included, before a step is believed
     clip: float = 3.0  # [sigma] longer innovations are cut to this
     outlier: float = 4.5  # [sigma] longer ones are flagged
@@ -83,6 +83,8 @@ class Monitored:
     enu: np.ndarray  # (T, 3) [m] solutions, NaN where there is none
     level: np.ndarray  # (T, 3) [m] where the point is; NaN before the first solution
     sigma: np.ndarray  # (T, 3) [m] of the level
+    rate: np.ndarray  # (T, 3) [m/s] how fast it moves
+    sigma_rate: np.ndarray  # (T, 3) [m/s]
     flag: np.ndarray  # (T,) int8 of Flag
     alarm: np.ndarray  # (T,) bool
     steps: tuple[FoundStep, ...]
@@ -115,11 +117,11 @@ def monitor(series, settings=None, progress=None):
     is_used = usable(series, settings.doubtful)
     if is_used.sum() < FEWEST_SOLUTIONS:
         raise ValueError(f"monitoring needs {FEWEST_SOLUTIONS} solutions or more to learn their noise from; the series has {int(is_used.sum())}")
-    level, sigma, flag, start = _filter(series, is_used, settings, progress)
+    level, sigma, rate, sigma_rate, flag, start = _filter(series, is_used, settings, progress)
     flag[series.is_solved & ~is_used] = Flag.OUTLIER
     steps = tuple(_found_step(series.time, level, sigma, start, found) for found in np.flatnonzero(start >= 0))
     alarm = _alarm_of_steps(level, steps, settings) | _alarm_of_creep(level, sigma, is_used, settings)
-    return Monitored(series.time, series.enu, level, sigma, flag.astype(np.int8), alarm, steps)
+    return Monitored(series.time, series.enu, level, sigma, rate, sigma_rate, flag.astype(np.int8), alarm, steps)
 
 
 def usable(series, doubtful):
@@ -130,26 +132,30 @@ def usable(series, doubtful):
 
 
 def _filter(series, is_used, settings, progress):
-    """Return level, sigma (T, 3) [m], flag and start of steps (T,)."""
+    """Return level and sigma (T, 3) [m], rate and its sigma (T, 3) [m/s], flag and start of steps (T,)."""
     T, first = len(series), int(np.argmax(is_used))
     origin = series.enu[first]
     z = np.where(is_used[:, None], (series.enu - origin) * PER_METRE, np.nan)
     z_input, dt = kernel_input(z), kernel_input(epochs_since_last(series.time))
     rules = tuple(float(getattr(settings, name)) for name in RULES)
     memory = _empty_memory(settings.window)
-    out = matrix(T, 3), matrix(T, 3), vector(T), vector(T)
+    out = *(matrix(T, 3) for _ in range(4)), vector(T), vector(T)
     for begin, end in _blocks(is_used, settings.settling):
         past = z[max(first, begin - LEARNT_FROM) : begin] if begin > first else z[first:end]
         noise = _noise_rows(past, settings.memory)
         if begin == first:
-            _start(memory[0], noise)
+            _start(memory[0], noise, settings.memory)
         step_test.follow(z_input, dt, kernel_input(noise), rules, memory, begin, end, out)
         if progress:
             progress(end, T)
-    level, sigma, flag, start = (np.asarray(each) for each in out)
-    level, sigma = level / PER_METRE + origin, sigma / PER_METRE
-    level[:first], sigma[:first], flag[:first], start[:first] = np.nan, np.nan, Flag.GAP, step_test.NO_STEP
-    return level, sigma, flag, start.astype(int)
+    *moments, flag, start = (np.asarray(each) for each in out)
+    level, sigma, rate, sigma_rate = (each / PER_METRE for each in moments)
+    second = usual_step(series.time) if T > 1 else 1.0
+    found = level + origin, sigma, rate / second, sigma_rate / second
+    for each in found:
+        each[:first] = np.nan
+    flag[:first], start[:first] = Flag.GAP, step_test.NO_STEP
+    return *found, flag, start.astype(int)
 
 
 def epochs_since_last(time):
@@ -175,9 +181,9 @@ def _blocks(is_used, settling):
 
 
 def _noise_rows(z, memory):
-    """Return the noise (3, 4) of positions z (T, 3) as `level_filter` wants it; the level walks as fast as it takes to forget in `memory` epochs."""
+    """Return the noise (3, 4) of positions z (T, 3) as `level_filter` wants it; the rate changes as fast as it takes to forget in `memory` epochs."""
     learnt = [learn_noise(axis) for axis in z.T]
-    return np.array([[*noise, noise.long_run / memory**2] for noise in learnt])
+    return np.array([[*noise, noise.long_run / memory**4] for noise in learnt])
 
 
 def _empty_memory(window):
@@ -188,10 +194,11 @@ def _empty_memory(window):
     return matrix(axes, STATE_SIZE), matrix(window, step_test.EFFECT_SIZE * axes), matrix(window, STATE_SIZE * axes), starts, vector(1)
 
 
-def _start(state, noise):
-    """Let the level be that of the first solution, as good as the noise is."""
-    for axis, (white, coloured, *_) in enumerate(noise):
-        state[axis][P_LEVEL], state[axis][P_COLOUR] = FIRST_SIGMA**2 * (white + coloured), coloured
+def _start(state, noise, memory):
+    """Let the level be that of the first solution, as good as the noise is, and the rate what it may become within the memory."""
+    for axis, (white, coloured, _, walk) in enumerate(noise):
+        state[axis][P_XX], state[axis][P_UU] = FIRST_SIGMA**2 * (white + coloured), coloured
+        state[axis][P_RR] = walk * memory
 
 
 def _found_step(time, level, sigma, start, found):
@@ -213,7 +220,7 @@ def _alarm_of_steps(level, steps, settings):
 def _alarm_of_creep(level, sigma, is_used, settings):
     """Return where (T,) the level is farther from where it settled than the alarm's threshold, and surely so."""
     used = np.flatnonzero(is_used)
-    settled = int(used[min(settings.settling, len(used) - 1)])
+    settled = int(used[min(int(settings.memory) // 2, len(used) - 1)])
     offset, spread = level[:, :2] - level[settled, :2], np.hypot(sigma[:, :2], sigma[settled, :2])
     distance = np.hypot(offset[:, 0], offset[:, 1])
     surely = distance > SURE * np.sqrt(np.mean(spread**2, axis=1))
