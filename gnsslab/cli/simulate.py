@@ -13,7 +13,7 @@ List = Annotated[bool, typer.Option("--list", help="Say which presets there are,
 
 
 def simulate(context: typer.Context, preset: Preset = None, output: Output = None, seed: Seed = 0, list_: List = False):
-    """Simulate PRESET: master.obs, rover.obs, broadcast.nav and truth.csv."""
+    """Simulate PRESET: master.obs, rover.obs, broadcast.nav and truth.csv; of a series of solutions, series.csv and truth.csv."""
     if list_:
         _say_presets()
         return
@@ -30,10 +30,11 @@ def _missing(what):
 
 
 def _say_presets():
-    from gnsslab.simulate import PRESETS
+    from gnsslab.simulate import PRESETS, SERIES_PRESETS
 
-    width = max(len(name) for name in PRESETS)
-    for name, preset in PRESETS.items():
+    presets = PRESETS | SERIES_PRESETS
+    width = max(len(name) for name in presets)
+    for name, preset in presets.items():
         print(f"{name:{width}}  {preset.title}")
 
 
@@ -41,15 +42,24 @@ def _simulate(given, name, folder, seed):
     import numpy as np
 
     from gnsslab.cli.outputs import check_folder, write_provenance
-    from gnsslab.simulate import find_preset, write_simulation
-    from gnsslab.simulate import simulate as simulated
 
     if seed < 0:
         raise ValueError(f"--seed {seed}: expected a whole number, zero or above")
-    preset = find_preset(name)
+    write = _writer(name, np.random.default_rng(seed))
     check_folder(folder)
-    written = write_simulation(folder, simulated(preset, np.random.default_rng(seed)))
+    written = write(folder)
     names = ", ".join(path.name for path in written)
     options = {key: value for key, value in given.items() if key != "list_"}
     write_provenance([f"{folder}/simulation"], "simulate", options, notes=[f"made {names}"])
     print(f"written to {folder}: {names}")
+
+
+def _writer(name, rng):
+    """Return the function that simulates the preset of that name and writes it into a folder."""
+    from gnsslab import simulate as s
+
+    if name in s.SERIES_PRESETS:
+        return lambda folder: s.write_series(folder, s.simulate_series(s.find_series_preset(name), rng))
+    if name not in s.PRESETS:
+        raise ValueError(f"there is no preset {name!r}; the presets are {', '.join([*s.PRESETS, *s.SERIES_PRESETS])}")
+    return lambda folder: s.write_simulation(folder, s.simulate(s.find_preset(name), rng))

@@ -11,14 +11,16 @@ Medians instead of means keep gross errors and steps out (a robust variogram: Cr
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtri
 
 LAGS = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256])
 CORRELATION_TIMES = 2.0 ** np.arange(2, 8.1, 0.5)  # [epochs]: what is forgotten sooner than in four epochs is white for our purposes
 MEDIAN_OF_SQUARE = 0.4549364  # of a standard normal number
 MEDIAN_OF_SIZE = 0.6744898
 FEWEST_DIFFERENCES = 8
-TAIL = 0.99  # differences are as large as a normal law says up to this share: gross errors, less than one in a hundred, lie beyond
-TAIL_OF_SIZE = 2.5758293  # of a standard normal number, exceeded by one in a hundred
+TAIL = 0.01  # differences should be as large as a normal law says but for this share, or FEWEST_IN_TAIL of them: gross errors lie beyond
+FEWEST_IN_TAIL = 5
+LARGEST_FACTOR = 3.0  # a tail heavier than this is one of gross errors
 SMALLEST_WHITE = 0.02  # of the whole variance: no receiver's solution is smoother from epoch to epoch
 
 
@@ -39,7 +41,7 @@ def learn_noise(z):
     """Return the ColouredNoise of values z (T,) [m] of one axis, equally far apart; NaN where there is none.
 
     Where large differences are more frequent than the median promises (satellites rise and set, and with each the reflections change
-    at once), both parts are enlarged until one difference in a hundred is beyond 2.58 sigma.
+    at once), both parts are enlarged until one difference in a hundred is beyond 2.58 sigma, threefold at most.
     Raises ValueError with fewer than 16 values.
 
     >>> rng = np.random.default_rng(1)
@@ -72,14 +74,15 @@ def variogram(z):
 
 
 def tail_factor(z):
-    """Return how many times larger than a normal law of the same median the largest hundredth of the differences of z (T,) is; 1 at least."""
+    """Return how many times larger than a normal law of the same median the tail of the differences of z (T,) is; from 1 to 3."""
     factors = [1.0]
     for h in (1, 2, 4):
         size = np.abs(z[h:] - z[:-h])
         size = size[np.isfinite(size)]
         if len(size) >= 2 * FEWEST_DIFFERENCES and np.median(size) > 0:
-            factors.append(np.quantile(size, TAIL) / TAIL_OF_SIZE / (np.median(size) / MEDIAN_OF_SIZE))
-    return max(factors)
+            beyond = max(TAIL, FEWEST_IN_TAIL / len(size))
+            factors.append(np.quantile(size, 1 - beyond) / ndtri(1 - beyond / 2) / (np.median(size) / MEDIAN_OF_SIZE))
+    return min(max(factors), LARGEST_FACTOR)
 
 
 def _fitted(lags, V):

@@ -1,6 +1,9 @@
 """A level that drifts under coloured noise: Kalman filter of one axis, as small kernels on a row of numbers.
 
-    z = x + u + v,    x <- x + r dt,    r <- r + walk (variance q an epoch),    u <- a u + new (a = exp(-dt / tau), variance c in the long run)
+    z = x + u + v
+    x <- x + r dt
+    r <- r + walk, of variance q an epoch, more where r is large
+    u <- a u + new, a = exp(-dt / tau), of variance c in the long run
 
 x level, r its rate, u coloured noise, v white noise of variance w. A state is the row [x, r, u, P_xx, P_xr, P_xu, P_rr, P_ru, P_uu],
 a noise the row [w, c, tau, q]; times count in epochs. A position has one such row an axis.
@@ -13,6 +16,8 @@ from gnsslab.core.jit import kernel
 LEVEL, RATE, COLOUR, P_XX, P_XR, P_XU, P_RR, P_RU, P_UU = range(9)
 WHITE, COLOURED, CORRELATION, WALK = range(4)
 STATE_SIZE = 9
+CHANGE_OF_RATE = 0.03  # of a rate, an epoch: what moves fast changes its speed sooner than what rests
+SURE = 3.0  # [sigma] of a rate: the part below may be noise
 
 
 @kernel
@@ -26,6 +31,7 @@ def predict(state, noise, dt):
     (0.367879, [1.5, 0.25, 0.18394, 2.0, 0.5, 0.0, 0.25, 0.0, 3.458659])
     """
     a, q = math.exp(-dt / noise[CORRELATION]), noise[WALK]
+    q += (CHANGE_OF_RATE * max(0.0, abs(state[RATE]) - SURE * math.sqrt(state[P_RR]))) ** 2
     state[LEVEL] += dt * state[RATE]
     state[COLOUR] *= a
     state[P_XX] += 2.0 * dt * state[P_XR] + dt * dt * state[P_RR] + q * dt * dt * dt / 3.0

@@ -199,10 +199,10 @@ def _replay(z, dt, noise, trial, j, k, clip, lost, width):
 
 @kernel
 def _begin_anew(trial, noise, z, width):
-    """Let the level be what the solution z (3,) says, and its rate as uncertain as the step is large."""
+    """Let the level be what the solution z (3,) says; its rate may be as before, or none, or the larger the larger the step."""
     _widen(trial, noise, 100.0 * width)
     for axis in range(AXES):
-        trial[axis][P_RR] += (AFTERSLIP * innovation(trial[axis], z[axis])) ** 2
+        trial[axis][P_RR] += (AFTERSLIP * innovation(trial[axis], z[axis])) ** 2 + trial[axis][RATE] ** 2
 
 
 @kernel

@@ -17,8 +17,8 @@ from gnsslab.core.level_filter import P_RR, P_UU, P_XX, STATE_SIZE
 from gnsslab.gnss.relative import Status
 from gnsslab.gnss.times import iso_text, usual_step
 
-LEARNT_FROM = 4096  # latest epochs that the noise is learnt from
-LONGEST_BLOCK = 2048  # epochs filtered with the same noise
+LEARNT_FROM = 16_384  # latest epochs that the noise is learnt from
+LONGEST_BLOCK = 4096  # epochs filtered with the same noise
 FEWEST_SOLUTIONS = 16  # the noise is learnt from
 SURE = 5.0  # [sigma] of a slow displacement, for an alarm
 FIRST_SIGMA = 2.0  # of the first solution, in sigmas of the noise
@@ -104,7 +104,8 @@ def monitor(series, settings=None, progress=None):
 
     Only fixed solutions are used where there are any, and of these only those whose ratio is not below a tenth of the usual one. The first 60
     epochs are filtered with the noise that they show themselves. The alarm is on from when a step of at least `settings.alarm` on the level is
-    found until the point is halfway back, and where the level is that far, and five sigma, from where it was after the first 60 epochs.
+    found until the point is halfway back, for 600 epochs at most; and from when the level has crept that far, and five sigma, from where it was
+    after the first 600 epochs, until it is halfway back.
     `progress(done, total)` is called now and then. A series with fewer than 16 solutions raises ValueError.
 
     >>> from gnsslab.simulate import Shift, find_series_preset, simulate_series, with_shifts
@@ -207,21 +208,33 @@ def _found_step(time, level, sigma, start, found):
 
 
 def _alarm_of_steps(level, steps, settings):
-    """Return where (T,) the point is displaced by a step that was large enough: until it is halfway back."""
+    """Return where (T,) the point is displaced by a step that was large enough: until it is halfway back, or the memory's length."""
     alarm = np.zeros(len(level), dtype=bool)
     for step in steps:
         if np.hypot(*step.size[:2]) >= settings.alarm:
             offset = level[step.found :] - level[step.first - 1]
             is_back = np.hypot(offset[:, 0], offset[:, 1]) < settings.alarm / 2
+            is_back[int(settings.memory) :] = True  # by now this is where the point is
             alarm[step.found : step.found + (int(np.argmax(is_back)) if is_back.any() else len(is_back))] = True
     return alarm
 
 
 def _alarm_of_creep(level, sigma, is_used, settings):
-    """Return where (T,) the level is farther from where it settled than the alarm's threshold, and surely so."""
+    """Return where (T,) the level has gone farther than the alarm's threshold from where it settled, and surely so: until it is halfway back."""
     used = np.flatnonzero(is_used)
-    settled = int(used[min(int(settings.memory) // 2, len(used) - 1)])
+    settled = int(used[min(int(settings.memory), len(used) - 1)])
     offset, spread = level[:, :2] - level[settled, :2], np.hypot(sigma[:, :2], sigma[settled, :2])
-    distance = np.hypot(offset[:, 0], offset[:, 1])
-    surely = distance > SURE * np.sqrt(np.mean(spread**2, axis=1))
-    return (distance > settings.alarm) & surely & (np.arange(len(level)) > settled)
+    distance = np.where(np.arange(len(level)) > settled, np.hypot(offset[:, 0], offset[:, 1]), 0.0)
+    goes_off = (distance > settings.alarm) & (distance > SURE * np.sqrt(np.mean(spread**2, axis=1)))
+    return held(goes_off, distance < settings.alarm / 2)
+
+
+def held(goes_on, goes_off):
+    """Return what is on (T,) from each True of `goes_on` to the next of `goes_off`.
+
+    >>> held(np.array([0, 1, 0, 0, 0], bool), np.array([0, 0, 0, 1, 0], bool)).tolist()
+    [False, True, True, False, False]
+    """
+    switched = np.where(goes_on, 1, np.where(goes_off, 0, -1))
+    last = np.maximum.accumulate(np.where(switched >= 0, np.arange(len(switched)), -1))
+    return (last >= 0) & (switched[last] == 1)
