@@ -11,8 +11,9 @@ NAMES = {"raw": "raw", "joint": "joint", "adjustment": "adjustment alone", "robu
          "moving average": "moving average", "wavelet": "wavelet", "EEMD": "EEMD-wavelet"}  # fmt: skip
 COLOURS = {"raw": "#707070", "joint": "#0072B2", "adjustment": "#C07000", "robust Kalman": "#00805C",
            "moving average": "#A03070", "wavelet": "#2A8FC0", "EEMD": "#8A6A00"}  # fmt: skip
-OTHERS = ("#A03070", "#111111", "#8A6A00", "#2A8FC0")  # of methods that are not the paper's
-DASHES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (7, 2)), (0, (3, 1, 1, 1)))
+OTHERS = ("#111111", "#C07000", "#00805C", "#A03070", "#8A6A00")  # of methods that are not the paper's
+DASHES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
+BEFORE = 20  # epochs before a step in an answer to it
 BEYOND, AROUND = 8.0, 120  # [cm] from the mean that a panel shows; epochs before and after a step
 TRUTH = {"color": "#111111", "linewidth": 0.9, "linestyle": "--"}
 LETTERS = "abcde"
@@ -22,7 +23,7 @@ def paper_b_figures(fixed, step, responses):
     """Return title, words and PNG of each figure.
 
     `fixed` and `step` have `drawn` (series, truth_enu) and `outputs`, positions (T, 3) [m] by name; `responses` by name and size [cm]
-    the share of a step that is in a level, from 20 epochs before it on.
+    the share of a step that is in a level, from BEFORE epochs before it on.
     """
     with styled():
         drawn = (_denoised(fixed), _ablated(fixed), _tracked(step), _means(step), _answers(responses, "3.6"), _answers(responses, "10"))
@@ -93,23 +94,31 @@ def _means(step):
 
 
 def _answers(responses, size):
-    figure = new_figure(WIDTH, 380)
-    axes = figure.add_axes((0.125, 0.13, 0.84, 0.58))
-    others = iter(OTHERS)
-    for dash, (name, by_size) in zip(DASHES, responses.items(), strict=False):
-        share = by_size[size][: 20 + AROUND]
-        colour = COLOURS.get(name) or next(others)
-        axes.plot(np.arange(len(share)) - 20, 100 * share, color=colour, linestyle=dash, label=NAMES.get(name, name), linewidth=1.6)
-    axes.set(xlabel="epochs since the step", ylim=(-8, 128), xlim=(-20, AROUND))
-    figure.legend(*axes.get_legend_handles_labels(), loc="upper center", ncols=2, fontsize=9)
-    axes.set_title(f"share of {size} cm that is in the level [%]", fontsize=10, loc="left", pad=3)
-    half = ", ".join(f"{NAMES.get(name, name)} {_reached(by_size[size])}" for name, by_size in responses.items())
-    words = f"Median over the draws, each with and without the step in the same noise. Epochs to 90 %: {half}."
+    """Draw the paper's methods, and below them the joint one again beside those that tell a step from an outlier."""
+    figure = new_figure(WIDTH, 500)
+    papers = {name: by_size[size] for name, by_size in responses.items() if name in NAMES}
+    tests = {name: by_size[size] for name, by_size in responses.items() if name not in NAMES}
+    panels = ((0.57, papers), (0.085, {"joint": papers["joint"]} | tests))
+    colours = COLOURS | dict(zip(tests, OTHERS, strict=False))
+    for bottom, shares in panels:
+        _draw_shares(figure.add_axes((0.125, bottom, 0.84, 0.385)), shares, colours)
+        _entitle(figure.axes[-1], f"share of {size} cm that is in the level [%]")
+    figure.axes[-1].set_xlabel("epochs since the step")
+    late = ", ".join(f"{NAMES.get(name, name)} {_reached(share)}" for name, share in (papers | tests).items())
+    words = f"Median over the draws, each with and without the step in the same noise. Epochs to 90 %: {late}."
     return f"Beyond the paper: answers to a step of {size} cm", words, figure
 
 
+def _draw_shares(axes, shares, colours):
+    for dash, (name, share) in zip(DASHES, shares.items(), strict=False):
+        shown = share[: BEFORE + AROUND]
+        axes.plot(np.arange(len(shown)) - BEFORE, 100 * shown, color=colours[name], linestyle=dash, label=NAMES.get(name, name), linewidth=1.6)
+    axes.set(ylim=(-8, 128), xlim=(-BEFORE, AROUND))
+    axes.legend(loc="lower right", fontsize=9, frameon=True, framealpha=0.85, edgecolor="none")
+
+
 def _reached(share):
-    reached = np.flatnonzero(share[20:] >= 0.9)
+    reached = np.flatnonzero(share[BEFORE:] >= 0.9)
     return str(reached[0]) if len(reached) else "never"
 
 

@@ -14,6 +14,7 @@ from gnsslab.reproduce.paper_b_formulas import CM, MOVED
 from gnsslab.reproduce.paper_b_runs import draw
 from gnsslab.systems.criteria import count_alarms, lag, rmse_about_truth, step_response, threshold_alarm
 from gnsslab.systems.deformation import METHODS, PublishedSeries
+from gnsslab.systems.monitoring import MonitorSettings, monitor
 
 DIRECTION = np.array([*MOVED, 0.0]) / np.linalg.norm(MOVED)
 START = 60  # epochs that alarms are given to settle
@@ -23,7 +24,6 @@ BEFORE = 20  # epochs before a step that are kept of an answer to it
 ALLOWED = 1.0  # false alarms a series, the mean over the draws
 FINENESS = 0.001  # [m] of a threshold
 JUDGES = 100  # the draws that judge are those that choose, plus this number
-STEP_TESTS = {}  # name -> method with an alarm of its own
 
 
 class Answer(NamedTuple):
@@ -52,7 +52,7 @@ class Judgement(NamedTuple):
 def judge(scenario, seeds, report=lambda: None):
     """Return the Judgement on the seeds that come JUDGES later than these, which choose the thresholds; report() is called for each draw."""
     methods, thresholds = with_thresholds(levels(scenario.system), scenario.system.preset, seeds, report)
-    found = judged_steps(methods | STEP_TESTS, scenario, [seed + JUDGES for seed in seeds], report)
+    found = judged_steps(methods | step_tests(), scenario, [seed + JUDGES for seed in seeds], report)
     responses = {name: {size: np.median(found[name].pop(f"response {size}"), axis=0) for size in sizes_cm(scenario)} for name in found}
     return Judgement(thresholds, found, responses)
 
@@ -65,6 +65,28 @@ def sizes_cm(scenario):
 def levels(system):
     """Return the smoothing methods of paper B by name: a function (series) -> level (T, 3) [m] each."""
     return {"raw": lambda series: series.enu} | {name: _set_up(method, system) for name, method in METHODS.items()}
+
+
+def step_tests():
+    """Return the methods that tell a step from an outlier, by name: a function (series, place) -> Answer each, with an alarm of its own."""
+    return {
+        "Monitor": _monitored,
+    }
+
+
+def _monitored(series, place):
+    found = monitor(series)
+    return Answer(found.level, rings(found, MonitorSettings().alarm))
+
+
+def rings(monitored, size):
+    """Return where (T,) a bell rings: when an alarm of a Monitored goes on, and for each step of `size` [m] or more, be the alarm on or not.
+
+    An alarm stays on while the point is displaced. Were the step before a false one, nobody would hear of the next.
+    """
+    is_ring = np.diff(monitored.alarm, prepend=False) & monitored.alarm
+    is_ring[[step.found for step in monitored.steps if np.hypot(*step.size[:2]) >= size]] = True
+    return is_ring
 
 
 def _set_up(method, system):
@@ -143,7 +165,7 @@ def _still_numbers(quiet, truth):
 def _step_numbers(answer, quiet, truth, first, size):
     """Return lag of alarm and of level [epochs], and errors about the truth [cm]: of all epochs, and of LATEST after the step."""
     response = step_response(answer.level, quiet.level, size * DIRECTION)
-    alarm = count_alarms(answer.is_alarm, first).lag
+    alarm = count_alarms(answer.is_alarm & ~quiet.is_alarm, first).lag  # one that rings anyway tells nothing
     after = slice(first, first + LATEST)
     return {
         "alarm": alarm if alarm <= LATEST else np.nan,

@@ -11,6 +11,7 @@ _AHEAD = "Moving average, wavelet and EEMD look ahead: nobody has their level at
 _OWN = " ".join((
     f"A level without an alarm of its own is watched by a threshold: the smallest distance from the true place with at most {ALLOWED:g} false alarm",
     f"a series on other draws. The first {START} epochs do not count; an alarm is another one after {PAUSE} epochs without.",
+    "The monitor, the filter of gnsslab monitor, finds steps itself; its alarm is for steps of 2 cm or more.",
     f"Missed: no alarm within {LATEST} epochs. none: in half of the draws or more there was none.",
 ))  # fmt: skip
 _STILL = {
