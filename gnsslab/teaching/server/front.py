@@ -7,6 +7,7 @@ which one process does one at a time; so there are as many workers as cores.
 import asyncio
 import os
 import re
+import signal
 import socket
 import subprocess
 import sys
@@ -85,14 +86,15 @@ class Front:
         self._tasks = set()
 
     async def serve(self, listener):
-        """Take connections until cancelled; raise ValueError where workers do not stay."""
+        """Take connections until Ctrl-C; raise ValueError where workers do not stay."""
         loop = asyncio.get_running_loop()
         listener.setblocking(False)
-        self._given_up = loop.create_future()
+        self._over = loop.create_future()
+        loop.add_signal_handler(signal.SIGINT, self._stop)  # also where a shell started us in the background, which switches Ctrl-C off
         for worker in self.workers:
             self._watch(worker)
         self._begin(self._take_all(listener))
-        await self._given_up
+        await self._over
 
     def close(self):
         """End all workers and wait for them."""
@@ -100,6 +102,10 @@ class Front:
             worker.dismiss()
         for worker in self.workers:
             worker.wait()
+
+    def _stop(self):
+        if not self._over.done():
+            self._over.set_result(None)
 
     async def _take_all(self, listener):
         while True:
@@ -143,8 +149,8 @@ class Front:
         number, status = worker.orders["seat"], await asyncio.to_thread(worker.wait)
         self._early_ends[number] = self._early_ends[number] + 1 if time.monotonic() - worker.started < EARLY else 0
         if self._early_ends[number] >= EARLY_ENDS:
-            if not self._given_up.done():
-                self._given_up.set_exception(ValueError(f"worker {number + 1} ended at once, again and again: see above why, or try --workers 1"))
+            if not self._over.done():
+                self._over.set_exception(ValueError(f"worker {number + 1} ended at once, again and again: see above why, or try --workers 1"))
             return
         self.say(f"worker {number + 1} ended by itself (exit status {status}) and is started again; the lessons of its students begin anew")
         self.workers[number] = Worker(worker.orders)

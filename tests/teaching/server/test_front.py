@@ -20,10 +20,12 @@ pytestmark = pytest.mark.skipif(not CAN_TELL, reason="needs Linux: connections a
 PATIENCE = 30.0  # [s] for a process to start, on a busy machine
 WORKERS = 2
 FRONT = """
-import sys
+import signal, sys
 from gnsslab.teaching.server import front
 from gnsslab.teaching.server.network import free_socket
 front.WORKER = ("-c", sys.argv[1])
+if "ignored" in sys.argv:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 try:
     with free_socket("127.0.0.1", 23_700) as listener:
         print(listener.getsockname()[1], flush=True)
@@ -50,8 +52,8 @@ while True:
 class Running:
     """A front in a process of its own, with small workers that say who they are."""
 
-    def __init__(self, worker):
-        self.process = subprocess.Popen([sys.executable, "-c", FRONT, worker, str(WORKERS)], stdout=subprocess.PIPE, text=True)
+    def __init__(self, worker, *more):
+        self.process = subprocess.Popen([sys.executable, "-c", FRONT, worker, str(WORKERS), *more], stdout=subprocess.PIPE, text=True)
         self.port = int(self.process.stdout.readline())
 
     def connect(self):
@@ -78,8 +80,8 @@ class Running:
 
 
 @pytest.fixture
-def front():
-    running = Running(WORKER)
+def front(request):
+    running = Running(WORKER, *getattr(request, "param", ()))
     yield running
     running.process.kill()
     running.process.communicate()
@@ -126,7 +128,9 @@ def test_a_dead_worker_is_replaced_and_its_browsers_with_it(front):
     assert (answer["seat"], answer["pid"] != dead) == (1, True)
 
 
+@pytest.mark.parametrize("front", [(), ("ignored",)], ids=["", "ignored-at-first"], indirect=True)
 def test_ctrl_c_ends_all_workers(front):
+    """Also where SIGINT was ignored at first, as it is in what a script starts in the background."""
     workers = {front.ask()["pid"] for _ in range(WORKERS)}
     assert front.stop().endswith("stopped\n")
     assert front.process.returncode == 0
