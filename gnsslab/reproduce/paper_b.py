@@ -23,7 +23,7 @@ TITLE = (
 SEEDS = 30
 AT_REST = Scenario(B_FIXED, 1128, (0.02, 0.036, 0.05, 0.07, 0.10, 0.15))
 MOVING = Scenario(B_STEP, STEP_EPOCH, (0.036,))
-LONG_EVERY = 10  # EEMD of 63 857 epochs takes four times as long as of 2256: one draw in ten
+LONG_EVERY = 10  # EEMD of 63 857 epochs takes five to nine times as long as of 2256: one draw in ten
 
 
 def reproduce(seeds, progress=None):
