@@ -27,9 +27,14 @@ def link(tmp_path_factory):
         cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         env=os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[2]), "GNSSLAB_PROGRESS": str(folder)},
     )  # fmt: skip
-    yield next(line for line in process.stdout if "the course is at " in line).split("the course is at ")[1].split()[0]
-    process.send_signal(signal.SIGINT)
-    said, _ = process.communicate(timeout=30)
+    try:
+        yield next(line for line in process.stdout if "the course is at " in line).split("the course is at ")[1].split()[0]
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=30)
+    finally:
+        process.kill()  # its workers end with it
+        process.wait()
+        process.stdout.close()
     assert process.returncode == 0
     assert said.endswith("stopped\n")
     assert "Traceback" not in said
@@ -59,6 +64,7 @@ def student(chromium, link):
 
 def _predict(page, option):
     page.get_by_role("radio", name=option).click(timeout=PATIENCE)
+    page.get_by_text("You said:").wait_for(timeout=PATIENCE)  # it is kept
     page.wait_for_selector(".gl-pictures img", timeout=PATIENCE)
 
 
