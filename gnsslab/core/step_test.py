@@ -5,12 +5,13 @@ what follows decides. At each epoch two tests are made on the last epochs with a
 
 1. the generalised likelihood ratio of Willsky and Jones (1976), IEEE Trans. Automatic Control 21:108-115. A step of height d at epoch j makes
    innovations g_k d, where g_k is what the filter has not yet taken up. With A = sum g v / S and B = sum g^2 / S the best height gains
-   A^2 / 2B in likelihood. It is cheap, and sees only clipped innovations;
+   A^2 / 2B in likelihood; the more epochs are looked at, the more must be gained (log n / 2). It is cheap, and sees only clipped innovations;
 2. where it speaks up, both stories are filtered once more from j: nothing happened, or the level is new at j. Their likelihoods know gross
    errors: log(N(v; 0, S) + exp(-lost) / (1 + v^2 / 25 S)^2), so that one solution costs about `lost` whatever its error.
 
-Where the second story is better by `threshold`, it becomes the filter's own: from j on as if the step had been known. Deciding late and
-repairing the past is the "detection, identification, adaptation" of Teunissen (1990).
+A large gain decides for the second story unless gross errors explain it (`threshold`, `story`); so does a small one where the story is much the
+better (`pretest`, `sure_story`): a step of many sigma, whose innovations are clipped. It becomes the filter's own: from j on as if the step had
+been known. Deciding late and repairing the past is the "detection, identification, adaptation" of Teunissen (1990).
 """
 
 import math
@@ -30,6 +31,7 @@ from gnsslab.core.level_filter import (
     predict,
     update,
 )  # fmt: skip
+from gnsslab.core.recent_mean import LONGEST, recent_mean
 
 AXES = 3
 OK, OUTLIER, STEP, GAP = range(4)
@@ -41,16 +43,19 @@ NO_STEP = -1
 
 
 @kernel
-def follow(z, dt, noise, settings, memory, first, last, out):
+def follow(z, dt, noise, weights, variances, settings, memory, first, last, out):
     """Filter epochs `first` to `last` - 1 of positions z (T, 3), NaN where there is none, `dt` (T,) epochs after the one before.
 
-    noise (3, 4), see `level_filter`. settings: clip, outlier, lost, width, pretest, threshold, settling, fewest. memory: state (3, 9), effects
-    (W, 15), saved (W, 27), starts (W,), count (1,), which go on from call to call; W is how many epochs back a step may lie.
-    out: level, its sigma, rate, its sigma (T, 3), flag (T,), start (T,): the first epoch of a step found at an epoch, else NO_STEP.
+    noise (3, 4), see `level_filter`; weights and variances (3, 110) of a `recent_mean`. settings: clip, outlier, lost, width, threshold, pretest,
+    story, sure_story, settling, fewest, see `systems.monitoring`. memory: state (3, 9), effects (W, 15), saved (W, 27), starts (W,), cleaned
+    solutions (n, 3) in their order, the order (T,) of each epoch among them, [how many solutions there were, from which one on the level is the
+    present one]; all go on from call to call. W is how many epochs back a step may lie.
+    out: steady level, its sigma, rate, its sigma, recent level, its sigma (T, 3), flag (T,), start (T,): the first epoch of a step found at an
+    epoch, else NO_STEP.
     """
-    clip, outlier, lost, width, pretest, threshold, settling, fewest = settings
-    state, effects, saved, starts, count = memory
-    level, sigma, rate, sigma_rate, flag, start = out
+    clip, outlier, lost, width, threshold, pretest, story, sure_story, settling, fewest = settings
+    state, effects, saved, starts, cleaned, order, count = memory
+    level, sigma, rate, sigma_rate, recent, sigma_recent, flag, start = out
     for k in range(first, last):
         start[k] = NO_STEP
         _predict_all(state, effects, noise, dt[k])
@@ -60,18 +65,25 @@ def follow(z, dt, noise, settings, memory, first, last, out):
             _start_candidate(k, state, effects, saved, starts, count)
             size = math.sqrt(_misfit(state, noise, z[k]))
             flag[k] = OUTLIER if size > outlier else OK
-            gain, which = _take_up(state, effects, noise, z[k], min(1.0, clip / max(size, clip)), starts, k, fewest)
+            weight = min(1.0, clip / max(size, clip))
+            order[k] = count[0]
+            _clean(cleaned[int(count[0])], state, z[k], weight)
+            gain, which = _take_up(state, effects, noise, z[k], weight, starts, k, fewest)
             count[0] += 1.0
-            if gain > pretest and count[0] > settling:
-                needed = threshold * (1.0 + settling / count[0])  # with few epochs the noise is badly known
-                j = _decide(z, dt, noise, (clip, lost, width, needed, fewest), saved, starts, starts[which], k, state)
+            doubt = 1.0 + settling / count[0]  # with few epochs the noise is badly known
+            if gain > pretest * doubt and count[0] > settling:
+                needed = doubt * (story if gain > threshold * doubt else sure_story)
+                j = _decide(z, dt, noise, (clip, lost, width, needed, fewest), saved, starts, starts[which], k, state, cleaned, order)
                 if j >= 0:
-                    flag[k], start[k] = STEP, j
+                    flag[k], start[k], count[1] = STEP, j, order[j]
                     for c in range(len(starts)):
                         starts[c] = NO_STEP
         for axis in range(AXES):
             level[k][axis], sigma[k][axis] = state[axis][LEVEL], math.sqrt(state[axis][P_XX])
             rate[k][axis], sigma_rate[k][axis] = state[axis][RATE], math.sqrt(state[axis][P_RR])
+            begin, end = int(count[1]), int(count[0])
+            recent[k][axis] = recent_mean(cleaned, begin, end, axis, weights[axis])
+            sigma_recent[k][axis] = math.sqrt(variances[axis][min(end - begin, LONGEST) - 1])
 
 
 @kernel
@@ -107,6 +119,13 @@ def _misfit(state, noise, z):
 
 
 @kernel
+def _clean(row, state, z, weight):
+    """Write the solution z (3,) into a row, what is too far off cut as its innovation is."""
+    for axis in range(AXES):
+        row[axis] = z[axis] - (1.0 - weight) * innovation(state[axis], z[axis])
+
+
+@kernel
 def _take_up(state, effects, noise, z, weight, starts, k, fewest):
     """Update the state with the weighted innovation, and each candidate's effect; return the largest gain A^2 / 2B, and whose it is."""
     most, which = 0.0, 0
@@ -118,7 +137,7 @@ def _take_up(state, effects, noise, z, weight, starts, k, fewest):
             _weigh(effects[c], EFFECT_SIZE * axis, v, S, on_level, on_rate, on_colour)
     for c in range(len(effects)):
         if starts[c] >= 0 and k - starts[c] >= fewest - 1:
-            gain = _explained(effects[c])
+            gain = _explained(effects[c]) - 0.5 * math.log(k - starts[c] + 1.0)
             if gain > most:
                 most, which = gain, c
     return most, which
@@ -145,24 +164,31 @@ def _explained(effect):
 
 
 @kernel
-def _decide(z, dt, noise, rules, saved, starts, earliest, k, state):
+def _decide(z, dt, noise, rules, saved, starts, earliest, k, state, cleaned, order):
     """Tell both stories for each candidate from `earliest` on; take the best one for the state, if it is good enough, and return its start."""
     clip, lost, width, needed, fewest = rules
-    trial = matrix(AXES, STATE_SIZE)
+    trial, story = matrix(AXES, STATE_SIZE), matrix(len(starts), AXES)
     best, most = NO_STEP, needed
     for c in range(len(starts)):
         if starts[c] >= earliest and k - starts[c] >= fewest - 1:
             j = int(starts[c])
             _restore(trial, saved[c])
-            quiet = _replay(z, dt, noise, trial, j, k, clip, lost, 0.0)
+            quiet = _replay(z, dt, noise, trial, j, k, clip, lost, 0.0, story, order)
             _restore(trial, saved[c])
-            gain = _replay(z, dt, noise, trial, j, k, clip, lost, width) - quiet
+            gain = _replay(z, dt, noise, trial, j, k, clip, lost, width, story, order) - quiet
             if gain > most:
                 best, most = j, gain
-                for axis in range(AXES):
-                    for i in range(STATE_SIZE):
-                        state[axis][i] = trial[axis][i]
+                _copy(state, trial, 0, AXES)
+                _copy(cleaned, story, int(order[j]), int(order[k]) + 1)
     return best
+
+
+@kernel
+def _copy(rows, source, first, last):
+    """Copy rows first to last - 1 from the beginning of another matrix."""
+    for k in range(first, last):
+        for i in range(len(rows[k])):
+            rows[k][i] = source[k - first][i]
 
 
 @kernel
@@ -173,11 +199,11 @@ def _restore(trial, saved):
 
 
 @kernel
-def _replay(z, dt, noise, trial, j, k, clip, lost, width):
+def _replay(z, dt, noise, trial, j, k, clip, lost, width, story, order):
     """Filter epochs j to k anew from a state predicted to j, in place; return the log likelihood.
 
     With a width [sigma of the noise] the level may have stepped by about as much at j: the likelihood of the first solution says so, and
-    the level is then taken from it alone.
+    the level is then taken from it alone. The cleaned solutions are written into `story`.
     """
     total = 0.0
     for i in range(j, k + 1):
@@ -192,6 +218,7 @@ def _replay(z, dt, noise, trial, j, k, clip, lost, width):
             if i == j and width > 0.0:
                 weight = 1.0
                 _begin_anew(trial, noise, z[i], width)
+            _clean(story[int(order[i] - order[j])], trial, z[i], weight)
             for axis in range(AXES):
                 update(trial[axis], innovation_variance(trial[axis], noise[axis]), weight * innovation(trial[axis], z[i][axis]))
     return total

@@ -26,7 +26,7 @@ class PublishedSeries:
     wavelet_level: int = 3  # of db8, universal threshold, soft; calibrated
     eemd_trials: int = 25  # calibrated, as the two below
     eemd_noise: float = 0.2  # of the series' standard deviation
-    eemd_modes: int = 3  # the first ones, which are thresholded
+    eemd_modes: int = 3  # the first ones, which are shrunk
 
 
 B_FIXED = PublishedSeries("b-fixed")

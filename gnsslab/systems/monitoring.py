@@ -2,7 +2,8 @@
 
 Paper B's robust Kalman filter (Li et al. 2021) rejects what is far off, so it rejects a large step as well: above 7 cm for tens of epochs, when
 it matters most. This one learns the noise of the series from the series, its correlation in time included (`core.coloured_noise`), clips what is
-far off, and decides a few epochs later whether it was an outlier or a step (`core.step_test`).
+far off, and decides a few epochs later whether it was an outlier or a step (`core.step_test`). What it gives out is the calmest mean of the
+latest solutions that is as quick as the paper's method (`core.recent_mean`); the steady level of its whole memory stands beside.
 """
 
 from dataclasses import dataclass
@@ -14,15 +15,29 @@ from gnsslab.core import step_test
 from gnsslab.core.coloured_noise import learn_noise
 from gnsslab.core.jit import kernel_input, matrix, vector
 from gnsslab.core.level_filter import P_RR, P_UU, P_XX, STATE_SIZE
+from gnsslab.core.recent_mean import covariance, quick_weights, variances_of_mean
 from gnsslab.gnss.relative import Status
 from gnsslab.gnss.times import iso_text, usual_step
 
 LEARNT_FROM = 16_384  # latest epochs that the noise is learnt from
 LONGEST_BLOCK = 4096  # epochs filtered with the same noise
 FEWEST_SOLUTIONS = 16  # the noise is learnt from
-SURE = 5.0  # [sigma] of a slow displacement, for an alarm
+SURE = 5.0  # [sigma] of a displacement of the steady level, for an alarm
+SURE_OF_RECENT = 4.5  # [sigma] of the recent level, whose errors do not last
 FIRST_SIGMA = 2.0  # of the first solution, in sigmas of the noise
-RULES = ("clip", "outlier", "lost", "width", "pretest", "threshold", "settling", "fewest")  # settings that `step_test.follow` asks for
+# Settings that `step_test.follow` asks for, in its order.
+RULES = ("clip", "outlier", "lost", "width", "threshold", "pretest", "story", "sure_story", "settling", "fewest")
+    "clip",
+    "outlier",
+    "lost",
+    "width",
+    "threshold",
+    "pretest",
+    "story",
+    "sure_story",
+    "settling",
+    "fewest",
+)  # settings that `step_test.follow` asks for
 PER_METRE = 100.0  # inside, lengths are in centimetres, so that squares are of ordinary size
 
 
@@ -40,14 +55,16 @@ class MonitorSettings:
     """Settings of the monitoring filter; epochs are of the series' usual interval. What is above `alarm` was chosen on simulated series."""
 
     memory: float = 600.0  # [epochs] over which level and rate are fitted
-    threshold: float = 6.0  # log likelihood by which a step must be the better story
+    threshold: float = 12.0  # gain in log likelihood by which a step must explain the last epochs better
     window: int = 64  # [epochs] a step is found within so many, or taken for a slow change
     fewest: int = 3  # epochs with a solution, the first one of the step included, before a step is believed
     clip: float = 3.0  # [sigma] longer innovations are cut to this
     outlier: float = 4.5  # [sigma] longer ones are flagged
     lost: float = 12.0  # log likelihood that a gross error costs
     width: float = 4.0  # [sigma of the noise] of steps that are expected; larger ones are found as well
-    pretest: float = 8.0  # gain in log likelihood from which on it is worth while to look closer
+    story: float = 3.0  # log likelihood by which it must still be better when gross errors are allowed for
+    pretest: float = 8.0  # a gain of this much is enough
+    sure_story: float = 9.0  # where the step is better by so much even then: a large one
     settling: int = 60  # epochs before any step is believed: the noise is learnt from them
     doubtful: float = 0.1  # solutions whose ratio is below this part of the usual one are not used
     alarm: float = 0.02  # [m] level displacement that the alarm is for
@@ -81,8 +98,10 @@ class Monitored:
 
     time: np.ndarray  # (T,) datetime64[ns], GPS time
     enu: np.ndarray  # (T, 3) [m] solutions, NaN where there is none
-    level: np.ndarray  # (T, 3) [m] where the point is; NaN before the first solution
+    level: np.ndarray  # (T, 3) [m] where the point is, by the latest 110 solutions at most; NaN before the first one
     sigma: np.ndarray  # (T, 3) [m] of the level
+    steady: np.ndarray  # (T, 3) [m] the same by the filter's whole memory: calmer, and later where a step is too small to be found
+    sigma_steady: np.ndarray  # (T, 3) [m]
     rate: np.ndarray  # (T, 3) [m/s] how fast it moves
     sigma_rate: np.ndarray  # (T, 3) [m/s]
     flag: np.ndarray  # (T,) int8 of Flag
@@ -104,8 +123,8 @@ def monitor(series, settings=None, progress=None):
 
     Only fixed solutions are used where there are any, and of these only those whose ratio is not below a tenth of the usual one. The first 60
     epochs are filtered with the noise that they show themselves. The alarm is on from when a step of at least `settings.alarm` on the level is
-    found until the point is halfway back, for 600 epochs at most; and from when the level has crept that far, and five sigma, from where it was
-    after the first 600 epochs, until it is halfway back.
+    found until the point is halfway back, for 600 epochs at most; and from when the point has surely gone that far from where it settled in its
+    first 600 epochs (five sigma of the steady level, 4.5 of the recent one), until it is halfway back.
     `progress(done, total)` is called now and then. A series with fewer than 16 solutions raises ValueError.
 
     >>> from gnsslab.simulate import Shift, find_series_preset, simulate_series, with_shifts
@@ -118,11 +137,12 @@ def monitor(series, settings=None, progress=None):
     is_used = usable(series, settings.doubtful)
     if is_used.sum() < FEWEST_SOLUTIONS:
         raise ValueError(f"monitoring needs {FEWEST_SOLUTIONS} solutions or more to learn their noise from; the series has {int(is_used.sum())}")
-    level, sigma, rate, sigma_rate, flag, start = _filter(series, is_used, settings, progress)
+    steady, sigma_steady, rate, sigma_rate, level, sigma, flag, start = _filter(series, is_used, settings, progress)
     flag[series.is_solved & ~is_used] = Flag.OUTLIER
-    steps = tuple(_found_step(series.time, level, sigma, start, found) for found in np.flatnonzero(start >= 0))
-    alarm = _alarm_of_steps(level, steps, settings) | _alarm_of_creep(level, sigma, is_used, settings)
-    return Monitored(series.time, series.enu, level, sigma, rate, sigma_rate, flag.astype(np.int8), alarm, steps)
+    steps = tuple(_found_step(series.time, steady, sigma_steady, start, found) for found in np.flatnonzero(start >= 0))
+    alarm = _alarm_of_steps(steady, steps, settings) | _alarm_of_creep(steady, sigma_steady, is_used, SURE, settings)
+    alarm |= _alarm_of_creep(level, sigma, is_used, SURE_OF_RECENT, settings)
+    return Monitored(series.time, series.enu, level, sigma, steady, sigma_steady, rate, sigma_rate, flag.astype(np.int8), alarm, steps)
 
 
 def usable(series, doubtful):
@@ -133,26 +153,27 @@ def usable(series, doubtful):
 
 
 def _filter(series, is_used, settings, progress):
-    """Return level and sigma (T, 3) [m], rate and its sigma (T, 3) [m/s], flag and start of steps (T,)."""
+    """Return steady level and sigma (T, 3) [m], rate and sigma (T, 3) [m/s], level and sigma (T, 3) [m], flag and start of steps (T,)."""
     T, first = len(series), int(np.argmax(is_used))
     origin = series.enu[first]
     z = np.where(is_used[:, None], (series.enu - origin) * PER_METRE, np.nan)
     z_input, dt = kernel_input(z), kernel_input(epochs_since_last(series.time))
     rules = tuple(float(getattr(settings, name)) for name in RULES)
-    memory = _empty_memory(settings.window)
-    out = *(matrix(T, 3) for _ in range(4)), vector(T), vector(T)
+    memory = _empty_memory(settings.window, T)
+    out = *(matrix(T, 3) for _ in range(6)), vector(T), vector(T)
     for begin, end in _blocks(is_used, settings.settling):
         past = z[max(first, begin - LEARNT_FROM) : begin] if begin > first else z[first:end]
         noise = _noise_rows(past, settings.memory)
         if begin == first:
             _start(memory[0], noise, settings.memory)
-        step_test.follow(z_input, dt, kernel_input(noise), rules, memory, begin, end, out)
+        weights, variances = _recent_weights(noise)
+        step_test.follow(z_input, dt, kernel_input(noise), kernel_input(weights), kernel_input(variances), rules, memory, begin, end, out)
         if progress:
             progress(end, T)
     *moments, flag, start = (np.asarray(each) for each in out)
-    level, sigma, rate, sigma_rate = (each / PER_METRE for each in moments)
+    steady, sigma_steady, rate, sigma_rate, level, sigma = (each / PER_METRE for each in moments)
     second = usual_step(series.time) if T > 1 else 1.0
-    found = level + origin, sigma, rate / second, sigma_rate / second
+    found = steady + origin, sigma_steady, rate / second, sigma_rate / second, level + origin, sigma
     for each in found:
         each[:first] = np.nan
     flag[:first], start[:first] = Flag.GAP, step_test.NO_STEP
@@ -187,12 +208,27 @@ def _noise_rows(z, memory):
     return np.array([[*noise, noise.long_run / memory**4] for noise in learnt])
 
 
-def _empty_memory(window):
+def _recent_weights(noise):
+    """Return weights and variances (3, 110) of the quick mean on each axis."""
+    Q = [covariance(*row[:3]) for row in noise]
+    weights = [quick_weights(each) for each in Q]
+    return np.array(weights), np.array([variances_of_mean(h, each) for h, each in zip(weights, Q, strict=True)])
+
+
+def _empty_memory(window, T):
     starts = vector(window)
     for c in range(window):
         starts[c] = float(step_test.NO_STEP)
     axes = step_test.AXES
-    return matrix(axes, STATE_SIZE), matrix(window, step_test.EFFECT_SIZE * axes), matrix(window, STATE_SIZE * axes), starts, vector(1)
+    return (
+        matrix(axes, STATE_SIZE),
+        matrix(window, step_test.EFFECT_SIZE * axes),
+        matrix(window, STATE_SIZE * axes),
+        starts,
+        matrix(T, axes),
+        vector(T),
+        vector(2),
+    )
 
 
 def _start(state, noise, memory):
@@ -219,13 +255,13 @@ def _alarm_of_steps(level, steps, settings):
     return alarm
 
 
-def _alarm_of_creep(level, sigma, is_used, settings):
+def _alarm_of_creep(level, sigma, is_used, sure, settings):
     """Return where (T,) the level has gone farther than the alarm's threshold from where it settled, and surely so: until it is halfway back."""
     used = np.flatnonzero(is_used)
     settled = int(used[min(int(settings.memory), len(used) - 1)])
     offset, spread = level[:, :2] - level[settled, :2], np.hypot(sigma[:, :2], sigma[settled, :2])
     distance = np.where(np.arange(len(level)) > settled, np.hypot(offset[:, 0], offset[:, 1]), 0.0)
-    goes_off = (distance > settings.alarm) & (distance > SURE * np.sqrt(np.mean(spread**2, axis=1)))
+    goes_off = (distance > settings.alarm) & (distance > sure * np.sqrt(np.mean(spread**2, axis=1)))
     return held(goes_off, distance < settings.alarm / 2)
 
 

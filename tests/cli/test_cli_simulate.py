@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from gnsslab.simulate import PRESETS
+from gnsslab.simulate import PRESETS, SERIES_PRESETS
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def folder(tmp_path_factory):
 
 def test_list_names_all_presets(run):
     lines = run("simulate", "--list").out.splitlines()
-    assert [line.split()[0] for line in lines] == list(PRESETS)
+    assert [line.split()[0] for line in lines] == [*PRESETS, *SERIES_PRESETS]
     assert all(len(line) <= 100 for line in lines)
 
 
