@@ -25,9 +25,13 @@ class FileReader:
         """Return the Ephemerides in a file; what cannot be read raises ValueError in words."""
         return self._read_nav(*_stamped(path))
 
+    def folder(self, name):
+        """Return the folder of a data set; raise DataUnavailable."""
+        return self._folder(name)
+
     def data_set(self, name):
         """Return the base's (or master's) Observations, the rover's, and the Ephemerides of a data set; raise DataUnavailable."""
-        facts, folder = find_dataset(name), self._folder(name)
+        facts, folder = find_dataset(name), self.folder(name)
         return self.observations(folder / facts.base), self.observations(folder / facts.rover), self.ephemerides(folder / facts.nav[0])
 
 
