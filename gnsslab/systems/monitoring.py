@@ -27,17 +27,6 @@ SURE_OF_RECENT = 4.5  # [sigma] of the recent level, whose errors do not last
 FIRST_SIGMA = 2.0  # of the first solution, in sigmas of the noise
 # Settings that `step_test.follow` asks for, in its order.
 RULES = ("clip", "outlier", "lost", "width", "threshold", "pretest", "story", "sure_story", "settling", "fewest")
-    "clip",
-    "outlier",
-    "lost",
-    "width",
-    "threshold",
-    "pretest",
-    "story",
-    "sure_story",
-    "settling",
-    "fewest",
-)  # settings that `step_test.follow` asks for
 PER_METRE = 100.0  # inside, lengths are in centimetres, so that squares are of ordinary size
 
 
