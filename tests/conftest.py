@@ -76,9 +76,20 @@ def missing(reason):
     pytest.skip(reason)
 
 
+NO_KERNELS = {"rinex", "rtcm", "data", "simulate", "pages"}  # folders whose tests compile none
+
+
 def pytest_collection_modifyitems(items):
     """Browser tests come first: they take longest, and in one process."""
-    items.sort(key=lambda item: "browser" not in item.path.parts)
+    items.sort(key=_turn)
+
+
+def _turn(item):
+    """Return the place of a test: the browser's course compiles all kernels, so those who need them too come when it has done so."""
+    folders = set(item.path.parts)
+    if "browser" in folders:
+        return 0, item.path.name == "test_class.py"  # each of its workers would compile them
+    return 1, not folders & NO_KERNELS
 
 
 @pytest.hookimpl(optionalhook=True)
