@@ -19,7 +19,7 @@ def recent_mean(values, begin, end, axis, weights):
 
     weights (110,): of the latest row, the one before, ...; where there are fewer rows, the first weights alone.
 
-    >>> float(recent_mean(np.array([[9.0], [2.0], [4.0]]), 1, 3, 0, np.array([0.3, 0.1, 0.6])).round(9))
+    >>> round(recent_mean(np.array([[9.0], [2.0], [4.0]]), 1, 3, 0, np.array([0.3, 0.1, 0.6])), 9)
     3.5
     """
     total, weight = 0.0, 0.0
