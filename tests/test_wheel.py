@@ -10,11 +10,18 @@ import pytest
 
 PROJECT = Path(__file__).resolve().parent.parent
 MINUTES = 5 * 60  # [s] until a step counts as stuck
+COMPILED = """
+import numpy as np
+from gnsslab.core import jit, kalman
+S = np.array([[4.0, 2.0], [2.0, 10.0]])
+kalman.factor_cholesky(S)
+print(jit.COMPILED, np.tril(S).tolist())
+"""
 
 
-def call(*command, cwd):
-    """Run a program and return its stdout; fail with its stderr."""
-    environment = {name: value for name, value in os.environ.items() if name not in ("VIRTUAL_ENV", "PYTHONPATH", "GNSSLAB_DATA_MIRROR")}
+def call(*command, cwd, **more):
+    """Run a program, with more in its environment, and return its stdout; fail with its stderr."""
+    environment = {name: value for name, value in os.environ.items() if name not in ("VIRTUAL_ENV", "PYTHONPATH", "GNSSLAB_DATA_MIRROR")} | more
     done = subprocess.run([str(part) for part in command], cwd=cwd, env=environment, capture_output=True, text=True, timeout=MINUTES)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -85,10 +92,13 @@ def test_the_installed_program_works_in_an_empty_folder(installed, tmp_path):
 
 
 def test_the_installed_engine_and_lesson_run_on_their_dependencies_alone(installed, tmp_path):
-    call(installed / "gnsslab", "simulate", "static-baseline", "-o", "roof", cwd=tmp_path)
+    """Kernels as ordinary Python, and one compiled: to compile all of them at a new place takes longer than all else here."""
+    plain = {"GNSSLAB_NO_NUMBA": "1"}
+    call(installed / "gnsslab", "simulate", "static-baseline", "-o", "roof", cwd=tmp_path, **plain)
     files = [f"roof/{name}" for name in ("master.obs", "rover.obs", "broadcast.nav")]
-    answer = call(installed / "gnsslab", "heading", *files, "-o", "heading.csv", "--plot", "heading.png", "--systems", "G", cwd=tmp_path)
+    answer = call(installed / "gnsslab", "heading", *files, "-o", "heading.csv", "--plot", "heading.png", "--systems", "G", cwd=tmp_path, **plain)
     assert answer.startswith("Attitude: 300 epochs")
     assert (tmp_path / "heading.png").stat().st_size > 10_000
     lesson = "from gnsslab.labs.north import north_lab; print(north_lab().run().problem or 'runs')"
-    assert call(installed / "python", "-c", lesson, cwd=tmp_path) == "runs\n"
+    assert call(installed / "python", "-c", lesson, cwd=tmp_path, **plain) == "runs\n"
+    assert call(installed / "python", "-c", COMPILED, cwd=tmp_path) == "True [[2.0, 0.0], [1.0, 3.0]]\n"
