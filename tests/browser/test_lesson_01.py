@@ -88,9 +88,9 @@ def test_own_files_by_upload(lesson, tmp_path):
         part = stage(page, lab)
         part.get_by_role("combobox", name="Data").select_option(label="my files")
         part.get_by_text("your observation and navigation files are missing").wait_for(timeout=PATIENCE)
-        for number, name in enumerate(("rover.obs", "broadcast.nav")):
-            part.locator("input[type=file]").nth(number).set_input_files(tmp_path / name)
-            page.wait_for_timeout(1500)
+        part.locator("input[type=file]").nth(0).set_input_files(tmp_path / "rover.obs")
+        part.get_by_text("your navigation file is missing").wait_for(timeout=PATIENCE)
+        part.locator("input[type=file]").nth(1).set_input_files(tmp_path / "broadcast.nav")
         part.locator(".gl-readouts").wait_for(timeout=PATIENCE)
 
 
