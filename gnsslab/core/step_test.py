@@ -46,7 +46,7 @@ NO_STEP = -1
 def follow(z, dt, noise, weights, variances, settings, memory, first, last, out):
     """Filter epochs `first` to `last` - 1 of positions z (T, 3), NaN where there is none, `dt` (T,) epochs after the one before.
 
-    noise (3, 4), see `level_filter`; weights and variances (3, 110) of a `recent_mean`. settings: clip, outlier, lost, width, threshold, pretest,
+    noise (3, 4), see `level_filter`; weights and variances (3, 100) of a `recent_mean`. settings: clip, outlier, lost, width, threshold, pretest,
     story, sure_story, settling, fewest, see `systems.monitoring`. memory: state (3, 9), effects (W, 15), saved (W, 27), starts (W,), cleaned
     solutions (n, 3) in their order, the order (T,) of each epoch among them, [how many solutions there were, from which one on the level is the
     present one]; all go on from call to call. W is how many epochs back a step may lie.

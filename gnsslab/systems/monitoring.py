@@ -87,7 +87,7 @@ class Monitored:
 
     time: np.ndarray  # (T,) datetime64[ns], GPS time
     enu: np.ndarray  # (T, 3) [m] solutions, NaN where there is none
-    level: np.ndarray  # (T, 3) [m] where the point is, by the latest 110 solutions at most; NaN before the first one
+    level: np.ndarray  # (T, 3) [m] where the point is, by the latest 100 solutions at most; NaN before the first one
     sigma: np.ndarray  # (T, 3) [m] of the level
     steady: np.ndarray  # (T, 3) [m] the same by the filter's whole memory: calmer, and later where a step is too small to be found
     sigma_steady: np.ndarray  # (T, 3) [m]
@@ -198,7 +198,7 @@ def _noise_rows(z, memory):
 
 
 def _recent_weights(noise):
-    """Return weights and variances (3, 110) of the quick mean on each axis."""
+    """Return weights and variances (3, 100) of the quick mean on each axis."""
     Q = [covariance(*row[:3]) for row in noise]
     weights = [quick_weights(each) for each in Q]
     return np.array(weights), np.array([variances_of_mean(h, each) for h, each in zip(weights, Q, strict=True)])
