@@ -2,7 +2,8 @@
 
     minimise h' Q h   with   sum of all h = 1,   sum of the first n = share,  for (n, share) in QUICK      (h = Q^-1 A (A' Q^-1 A)^-1 b)
 
-Q: covariance of white and Gauss-Markov noise. A step is half in such a mean within 10 epochs, nine tenths within 50, and all of it within 100: what is clipped costs a little more time.
+Q: covariance of white and Gauss-Markov noise. A step is half in such a
+mean within 10 epochs, nine tenths within 50, and all of it within 100: QUICK asks for a little more, as what is clipped costs time.
 """
 
 import numpy as np
