@@ -13,6 +13,7 @@ from gnsslab.systems.step_followers.followed import AXES, begin, follow
 from gnsslab.systems.step_followers.walking_level import COLOURED, LEVEL, P_LEVEL, STATE_SIZE, WHITE, innovation, innovation_variance, predict, update
 
 IMPOSSIBLE = -1e300  # log weight
+FRESH = 10.0  # [sigma of the noise] that a new level may be off what was there before
 
 
 def change_point_follower(series, memory=300.0, width=3.0, chance=1e-5, freedom=6.0, sure=0.9, kept=60):
@@ -92,8 +93,10 @@ def _take_up(states, c, noise, z, freedom, is_new):
         size += v * v / S
         log_S += math.log(S)
     eta = min(1.0, (freedom + AXES) / (freedom + size))  # what a normal law of unknown variance makes of it
-    if is_new:
-        eta = 1.0  # a step may be larger than is usual: its level is that of its first solution
+    if is_new:  # a step may be larger than is usual: its level is that of its first solution
+        eta = 1.0
+        for axis in range(AXES):
+            states[AXES * c + axis][P_LEVEL] += FRESH**2 * (noise[axis][WHITE] + noise[axis][COLOURED])
     for axis in range(AXES):
         state = states[AXES * c + axis]
         update(state, innovation_variance(state, noise[axis]), eta * innovation(state, z[axis]))
