@@ -56,4 +56,4 @@ def variances_of_mean(weights, Q):
     """
     h = np.tril(np.ones((LONGEST, LONGEST))) * weights
     h /= h.sum(axis=1, keepdims=True)
-    return np.einsum("ni,ij,nj->n", h, Q, h)
+    return np.sum(h @ Q * h, axis=1)
