@@ -26,6 +26,7 @@ def adaptive_follower(series, memory=300.0, agreeing=12, c0=4.0, c1=6.0):
         alpha = 1 where Delta <= c0;  c0 / Delta ((c1 - Delta) / (c1 - c0))^2  up to c1;  then (almost) 0     (IGG III)
 
     `memory` [epochs] of the level; `agreeing` is n; c0, c1 [sigma of one axis]. A step is found where Delta is above c1.
+    Raises ValueError unless 0 < c0 < c1.
 
     >>> import numpy as np
     >>> from gnsslab.gnss.series import series_of_numbers
@@ -35,6 +36,8 @@ def adaptive_follower(series, memory=300.0, agreeing=12, c0=4.0, c1=6.0):
     >>> np.flatnonzero(found.is_step).tolist()[:1], bool(abs(found.level[-1] - 0.1).max() < 0.01)
     ([304], True)
     """
+    if not 0 < c0 < c1:
+        raise ValueError(f"the adaptive factor expects 0 < c0 < c1, such as 4 and 6; got c0 = {c0}, c1 = {c1}")
     return follow(series, partial(_run, (float(c0), float(c1), K0, K1), int(agreeing)), memory)
 
 

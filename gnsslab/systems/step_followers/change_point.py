@@ -16,7 +16,7 @@ IMPOSSIBLE = -1e300  # log weight
 FRESH = 10.0  # [sigma of the noise] that a new level may be off what was there before
 
 
-def change_point_follower(series, memory=300.0, width=3.0, chance=1e-5, freedom=6.0, sure=0.9, kept=60):
+def change_point_follower(series, memory=600.0, width=1.0, chance=0.01, freedom=6.0, sure=0.99, kept=80):
     """Return the `Followed` of Bayesian online change point detection.
 
         w_s <- w_s (1 - h) t(v_s; S_s) for s < k;   w_k = h t(v_k; S_k)      h the chance of a step, v_k of a level as wide as steps are

