@@ -52,6 +52,16 @@ def campaign(dataset):
     return read
 
 
+@pytest.fixture(scope="session")
+def slope_day(dataset):
+    """The Series of 24 hours on a slope through our own BeiDou RTK, solved once for all tests; skips or fails as `dataset` does."""
+    from gnsslab.labs.campaigns import FileReader
+    from gnsslab.labs.slope_data import solved_slope
+
+    dataset("beidou-slope")
+    return solved_slope(FileReader())
+
+
 class Campaign(NamedTuple):
     """A real data set, read."""
 

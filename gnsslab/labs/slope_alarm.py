@@ -29,7 +29,7 @@ CONTROLS = (
     Slider("slide", "Slide", 0, 5, 0.2, 0, "cm/h", help="From the same moment on the ground slides downhill.", more=True),
     Slider("moves_at", "It moves at", 25, 95, 1, 70, "% of the data", help="70 % of a day is 16:48.", more=True),
     Slider("average", "Moving average", 2, 240, 2, 30, "epochs", help="Of the latest epochs: nobody has later ones.", more=True),
-    Slider("evidence", "Evidence", 2, 20, 0.5, 6, help="Log likelihood by which a step must be the better story, for the monitor.", more=True),
+    Slider("evidence", "Evidence", 4, 40, 1, 12, help="Log likelihood by which a step must explain the last epochs better.", more=True),
     Slider("memory", "Memory", 60, 1200, 60, 600, "epochs", help="Of the monitor.", more=True),
     Slider("burst_length", "Bursts last", 1, 40, 1, 4, "epochs", help="A wrong fix comes seldom alone.", more=True),
     Slider("burst_size", "Wrong by", 5, 50, 1, 20, "cm", help="One wrong integer is a wavelength, about 20 cm.", more=True),
@@ -60,9 +60,9 @@ PRESETS = (
            "An average over an hour is calm, 1.6 cm at most, and knows of the step 43.5 minutes later."),
     Preset("locked-out", "Locked out", {"alarm": "joint", "step": 20, "threshold": 12},
            "20 cm at once, and the paper's filter rejects every solution for half an hour: the larger the step, the surer it is an outlier."),
-    Preset("watchman", "The monitor", {"alarm": "monitor", "wait": 10, "threshold": 2.5},
+    Preset("watchman", "The monitor", {"alarm": "monitor", "wait": 10},
            "The monitor waits ten epochs before it believes in a step: five bursts of wrong fixes do not bend its line."),
-    Preset("hasty-watchman", "A hasty monitor", {"alarm": "monitor", "wait": 3, "threshold": 2.5},
+    Preset("hasty-watchman", "A hasty monitor", {"alarm": "monitor", "wait": 3},
            "After three epochs a burst of four looks like a step of 20 cm: the line jumps there and back."),
     Preset("slow-slide", "1 cm an hour", {"alarm": "monitor", "wait": 10, "threshold": 2.5, "step": 0, "slide": 1},
            "A slide has no moment at which it begins: the alarm comes when the threshold is reached, an hour or two later."),
@@ -75,7 +75,7 @@ PRESETS = (
     Preset("tohoku-awake", "J188, the monitor", {"data": "J188", "alarm": "monitor", "wait": 3, "threshold": 10} | QUIET,
            "The same metre: the monitor knows it within days, and follows the slow motion of the years after."),
     Preset("creeping-plate", "USUD, creeping", {"data": "USUD", "wait": 3, "threshold": 4} | QUIET,
-           "Here it was 24 cm. But the plate itself creeps: 4 cm are reached years before, again and again. Is that a false alarm?"),
+           "Here it was 24 cm. But the plate itself creeps: 4 cm are reached years before, again and again. Decide whether that is a false alarm."),
 )  # fmt: skip
 
 
@@ -122,7 +122,7 @@ class AlarmResult:
 
     settings: dict  # of the controls, all of them
     clock: Clock = HOURS
-    x: np.ndarray | None = None  # (T,) since the start, in the clock's long unit
+    seconds: np.ndarray | None = None  # (T,) since the start
     raw: np.ndarray | None = None  # (T,) [m] distance of the solutions from the reference, on the level
     truth: np.ndarray | None = None  # (T,) [m] true distance, NaN where nobody knows
     line: Line | None = None  # of the kind chosen
@@ -145,7 +145,12 @@ class AlarmResult:
     @property
     def lag(self):
         """Time from motion to alarm in the clock's short unit; NaN where there is none."""
-        return np.nan if self.known is None else float((self.x[self.known] - self.x[self.at]) * self.clock.long_seconds / self.clock.short_seconds)
+        return np.nan if self.known is None else float(self.seconds[self.known] - self.seconds[self.at]) / self.clock.short_seconds
+
+    @property
+    def x(self):
+        """Time (T,) since the start in the clock's long unit."""
+        return self.seconds / self.clock.long_seconds
 
     @property
     def curve(self):
@@ -177,7 +182,7 @@ class AlarmEngine:
         return AlarmResult(
             settings=settings,
             clock=clock,
-            x=span.seconds / clock.long_seconds,
+            seconds=span.seconds,
             raw=lines["raw"][1].distance,
             truth=_truth(moved, motion, measured),
             line=line,
@@ -341,7 +346,7 @@ def _where(result):
 
 
 GOALS = (
-    Goal("caught", "On the simulated day, noise and gross errors as at first or worse, wrong fixes of 20 cm or more in bursts of ten epochs or longer: "
+    Goal("caught", "On the simulated day, noise and gross errors as at first or worse, wrong fixes of 20 cm or more in bursts of ten epochs or more: "
          "know of a step of 3.6 cm or less within 30 minutes, and do not wake the village once without reason.", _judge_caught),
     Goal("real", "On the real slope, with such wrong fixes: no alarm in its 24 hours, and a step of 5 cm or less known within 5 minutes.",
          _judge_real),
