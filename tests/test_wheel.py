@@ -74,7 +74,7 @@ def test_the_wheel_is_small_and_holds_what_travels(wheel):
     assert {f"gnsslab/share/lessons/jupyter/{path.name}" for path in (PROJECT / "lessons" / "jupyter").glob("*.ipynb")} <= set(names)
     assert "gnsslab/teaching/jupyter/settings/overrides.json" in names
     assert not any(name.startswith("tests/") or "__pycache__" in name or "__marimo__" in name for name in names)
-    assert wheel.stat().st_size < 1_000_000
+    assert wheel.stat().st_size < 1_250_000  # of which the data set is 200 kB: a second one would show
 
 
 def test_the_installed_program_works_in_an_empty_folder(installed, tmp_path):
