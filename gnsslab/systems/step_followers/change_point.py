@@ -21,7 +21,7 @@ def change_point_follower(series, memory=600.0, width=1.0, chance=0.01, freedom=
 
         w_s <- w_s (1 - h) t(v_s; S_s) for s < k;   w_k = h t(v_k; S_k)      h the chance of a step, v_k of a level as wide as steps are
 
-    The level is the mean of all hypotheses. `memory` [epochs] of each hypothesis' level; `width` [sigma of the noise] of steps, `chance` of one
+    The level is the mean of all hypotheses with two solutions or more: the first may be a gross error, by metres. `memory` [epochs] of each hypothesis' level; `width` [sigma of the noise] of steps, `chance` of one
     at an epoch; `freedom` of Student's t; a step is found where the hypotheses younger than the last one found have a probability above
     `sure`; `kept` hypotheses.
 
@@ -45,7 +45,7 @@ def _run(rules, kept, z, dt, noise, level, is_step):
 def _follow(z, dt, noise, rules, states, weight, level, is_step):
     """Hypothesis c has axis a in row 3 c + a of the states; weights are logarithms, the largest of them 0 after each epoch."""
     width, log_chance, freedom, sure = rules
-    start, best, told = vector(len(weight)), 0, 0
+    start, best, told, newest = vector(len(weight)), 0, 0, -1
     begin(states, noise)
     for c in range(1, len(weight)):
         weight[c] = IMPOSSIBLE
@@ -54,16 +54,16 @@ def _follow(z, dt, noise, rules, states, weight, level, is_step):
             predict(states[row], noise[row % AXES], dt[k])
         if not math.isnan(z[k][0]):
             if k > 0:
-                c = _least_likely(weight)
-                _be_born(states, c, best, noise, width)
-                start[c], weight[c] = k, weight[best] + log_chance
+                newest = _least_likely(weight)
+                _be_born(states, newest, best, noise, width)
+                start[newest], weight[newest] = k, weight[best] + log_chance
             for c in range(len(weight)):
                 if weight[c] > IMPOSSIBLE:
                     weight[c] += _take_up(states, c, noise, z[k], freedom, start[c] == k)
             best = _rescale(weight)
-            if _younger(weight, start, told) > sure:
+            if _younger(weight, start, told, newest) > sure:
                 is_step[k], told = 1.0, k
-        _average(states, weight, level[k])
+        _average(states, weight, newest, level[k])
 
 
 @kernel
@@ -118,11 +118,11 @@ def _rescale(weight):
 
 
 @kernel
-def _younger(weight, start, told):
+def _younger(weight, start, told, newest):
     """Return the probability of the hypotheses that started after epoch `told`."""
     younger, total = 0.0, 0.0
     for c in range(len(weight)):
-        p = math.exp(weight[c])
+        p = math.exp(weight[c]) if c != newest else 0.0
         total += p
         if start[c] > told:
             younger += p
@@ -130,10 +130,10 @@ def _younger(weight, start, told):
 
 
 @kernel
-def _average(states, weight, level):
+def _average(states, weight, newest, level):
     total = 0.0
     for c in range(len(weight)):
-        p = math.exp(weight[c])
+        p = math.exp(weight[c]) if c != newest else 0.0
         total += p
         for axis in range(AXES):
             level[axis] += p * states[AXES * c + axis][LEVEL]

@@ -55,7 +55,7 @@ def noise_rows(z, memory):
 @kernel
 def begin(state, noise):
     """Let the level be that of the first solution, as uncertain as the noise is, in place: state (3, 5), noise (3, 4)."""
-    for axis in range(len(state)):
+    for axis in range(len(noise)):
         state[axis][P_LEVEL], state[axis][P_COLOUR] = noise[axis][WHITE] + noise[axis][COLOURED], noise[axis][COLOURED]
 
 
