@@ -168,7 +168,8 @@ def test_change_points_are_their_formulas_with_matrices_and_nothing_dropped():
             run.update(eta * v, S)
         old = np.array(logs[:-1] if k > 0 else logs)  # a run of one solution does not count
         w = np.exp(old - logsumexp(old))
-        np.testing.assert_allclose(found.level[k], series.enu[0] + sum(p * run.level for p, run in zip(w, runs[: len(w)], strict=True)), rtol=0, atol=1e-9)
+        level = sum(p * run.level for p, run in zip(w, runs[: len(w)], strict=True))
+        np.testing.assert_allclose(found.level[k], series.enu[0] + level, rtol=0, atol=1e-9)
         is_step = w[told + 1 :].sum() > sure
         told = k if is_step else told
         assert found.is_step[k] == is_step

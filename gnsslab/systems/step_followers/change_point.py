@@ -21,9 +21,9 @@ def change_point_follower(series, memory=600.0, width=1.0, chance=0.01, freedom=
 
         w_s <- w_s (1 - h) t(v_s; S_s) for s < k;   w_k = h t(v_k; S_k)      h the chance of a step, v_k of a level as wide as steps are
 
-    The level is the mean of all hypotheses with two solutions or more: the first may be a gross error, by metres. `memory` [epochs] of each hypothesis' level; `width` [sigma of the noise] of steps, `chance` of one
-    at an epoch; `freedom` of Student's t; a step is found where the hypotheses younger than the last one found have a probability above
-    `sure`; `kept` hypotheses.
+    The level is the mean of all hypotheses with two solutions or more: the first may be a gross error, by metres. `memory` [epochs] of each
+    hypothesis' level; `width` [sigma of the noise] of steps, `chance` of one at an epoch; `freedom` of Student's t; a step is found where the
+    hypotheses younger than the last one found have a probability above `sure`; `kept` hypotheses.
 
     >>> import numpy as np
     >>> from gnsslab.gnss.series import series_of_numbers
