@@ -155,7 +155,7 @@ def test_change_points_are_their_formulas_with_matrices_and_nothing_dropped():
         if k > 0:
             runs.append(runs[best].copy())
             runs[-1].widen(width)
-            logs.append(logs[best] + np.log(chance))
+            logs.append(logs[best] + np.log(chance / (1 - chance)))
         for s, run in enumerate(runs):
             v, S = run.innovation(z[k])
             misfit = v @ np.linalg.solve(S, v)

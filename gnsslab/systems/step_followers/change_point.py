@@ -19,8 +19,9 @@ FRESH = 10.0  # [sigma of the noise] that a new level may be off what was there 
 def change_point_follower(series, memory=600.0, width=1.0, chance=0.01, freedom=6.0, sure=0.99, kept=80):
     """Return the `Followed` of Bayesian online change point detection.
 
-        w_s <- w_s (1 - h) t(v_s; S_s) for s < k;   w_k = h t(v_k; S_k)      h the chance of a step, v_k of a level as wide as steps are
+        w_s <- w_s (1 - h) t(v_s; S_s) for s < k;   w_k = w_b h t(v_k; S_k)      h the chance of a step
 
+    v_k is that of the likeliest hypothesis b, its level widened by what steps may be (Adams and MacKay sum over all that may have come before).
     The level is the mean of all hypotheses with two solutions or more: the first may be a gross error, by metres. `memory` [epochs] of each
     hypothesis' level; `width` [sigma of the noise] of steps, `chance` of one at an epoch; `freedom` of Student's t; a step is found where the
     hypotheses younger than the last one found have a probability above `sure`; `kept` hypotheses.
@@ -33,7 +34,7 @@ def change_point_follower(series, memory=600.0, width=1.0, chance=0.01, freedom=
     >>> np.flatnonzero(found.is_step).tolist(), bool(abs(found.level[-1] - 0.1).max() < 0.01)
     ([301], True)
     """
-    rules = float(width), math.log(chance), float(freedom), float(sure)
+    rules = float(width), math.log(chance / (1.0 - chance)), float(freedom), float(sure)
     return follow(series, partial(_run, rules, int(kept)), memory)
 
 
