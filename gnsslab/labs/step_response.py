@@ -388,7 +388,8 @@ def _followed(track, n):
 
 
 GOALS = (
-    Goal("follow-ten", "Near the step, with noise, 0.2 % of gross errors or more, the position looked at: follow half of a step of 10 cm or more within 5 "
+    Goal("follow-ten", "Near the step, with noise, 0.2 % of gross errors or more, the position looked at: follow half of a step of 10 cm or more "
+         "within 5 "
          "epochs, with an RMSE about the truth below 1.20 cm.", _judge_follow),
     Goal("catch-small", "The same, and a step of 3.6 cm at most: 90 % of it within 15 epochs, RMSE below 1.20 cm.", _judge_catch),
     Goal("lock-joint", f"Lock the joint method out: a step of 13 cm or less, and more than 100 of the {COUNTED} epochs after it rejected.",
