@@ -76,7 +76,7 @@ def _line(series, name, used):
     level, sigma, is_outlier = kind.find(series, settings)
     first = first_epochs(len(series))
     offset = (level - np.median(series.enu[:first], axis=0))[:, :2]
-    distance = np.hypot(*offset.T)
+    distance = np.nan_to_num(np.hypot(*offset.T))  # a filter that does not use the first solutions has no level yet
     score = held_for(distance, settings["wait"]) if kind.waits else distance.copy()
     score[:first] = 0.0
     return Line(distance, sigma, is_outlier, score)
@@ -111,8 +111,7 @@ def _joint(series, settings):
 
 
 def _monitor(series, settings):
-    rules = MonitorSettings(memory=settings["memory"], threshold=settings["evidence"], fewest=settings["wait"])
-    found = monitor(series, rules)
+    found = monitor(series, MonitorSettings(fewest=settings["wait"]))
     return found.level, _level_sigma(found.sigma), found.flag == Flag.OUTLIER
 
 
@@ -125,5 +124,5 @@ KINDS = {
     "raw": Kind("raw solutions", _raw),
     "average": Kind("moving average", _average, ("average",)),
     "joint": Kind("paper's joint filter", _joint),
-    "monitor": Kind("monitor", _monitor, ("memory", "evidence"), waits=False),
+    "monitor": Kind("monitor", _monitor, waits=False),
 }

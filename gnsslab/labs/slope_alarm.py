@@ -29,8 +29,6 @@ CONTROLS = (
     Slider("slide", "Slide", 0, 5, 0.2, 0, "cm/h", help="From the same moment on the ground slides downhill.", more=True),
     Slider("moves_at", "It moves at", 25, 95, 1, 70, "% of the data", help="70 % of a day is 16:48.", more=True),
     Slider("average", "Moving average", 2, 240, 2, 30, "epochs", help="Of the latest epochs: nobody has later ones.", more=True),
-    Slider("evidence", "Evidence", 4, 40, 1, 12, help="Log likelihood by which a step must explain the last epochs better.", more=True),
-    Slider("memory", "Memory", 60, 1200, 60, 600, "epochs", help="Of the monitor.", more=True),
     Slider("burst_length", "Bursts last", 1, 40, 1, 4, "epochs", help="A wrong fix comes seldom alone.", more=True),
     Slider("burst_size", "Wrong by", 5, 50, 1, 20, "cm", help="One wrong integer is a wavelength, about 20 cm.", more=True),
     Slider("noise", "Noise", 20, 120, 5, 50, "%", help="Of the paper's: 1.1 cm white and 1.9 cm that lasts for two minutes.", more=True),

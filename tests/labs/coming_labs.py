@@ -2,4 +2,5 @@
 
 from gnsslab.teaching.catalogue import Lesson
 
-COMING = Lesson("08", "", "Is the slope moving?", "", 0, "", (), ("gnsslab.labs.denoising:denoising_lab",))
+OF_LESSON_08 = ("gnsslab.labs.denoising:denoising_lab", "gnsslab.labs.step_response:step_response_lab", "gnsslab.labs.slope_alarm:slope_alarm_lab")
+COMING = Lesson("08", "", "Is the slope moving?", "", 0, "", (), OF_LESSON_08)
