@@ -65,7 +65,7 @@ PRESETS = (
     Preset("fifteen-rejected", "15 cm", CALM | {"step": 15},
            "92 rejected, half after 104. Now the joint method is locked out too: at 15 s an epoch, for 25 minutes in which a slope comes down."),
     Preset("wide-gate", "A wide gate", CALM | {"step": 10, "thresholds": "2.5, 6"},
-           "k0 = 2.5, k1 = 6: the same 10 cm are followed as 1 cm would be, half after 3 epochs. What is the price?"),
+           "k0 = 2.5, k1 = 6: the same 10 cm are followed as 1 cm would be, half after 3 epochs. It has a price: the next preset."),
     Preset("price-of-the-gate", "Its price", CALM | {"step": 10, "thresholds": "2.5, 6", "lasts": 1},
            "One solution is 10 cm wrong: the level moves by 1.49 cm. With k0 = 1, k1 = 2 it does not move at all."),
     Preset("walks-faster", "Large q", {"q": 5, "beside": "kalman"},
@@ -389,8 +389,7 @@ def _followed(track, n):
 
 GOALS = (
     Goal("follow-ten", "Near the step, with noise, 0.2 % of gross errors or more, the position looked at: follow half of a step of 10 cm or more "
-         "within 5 "
-         "epochs, with an RMSE about the truth below 1.20 cm.", _judge_follow),
+         "within 5 epochs, with an RMSE about the truth below 1.20 cm.", _judge_follow),
     Goal("catch-small", "The same, and a step of 3.6 cm at most: 90 % of it within 15 epochs, RMSE below 1.20 cm.", _judge_catch),
     Goal("lock-joint", f"Lock the joint method out: a step of 13 cm or less, and more than 100 of the {COUNTED} epochs after it rejected.",
          _judge_lock),

@@ -162,6 +162,7 @@ ONE_END_ONLY = {  # not at the other
     ("fewer-satellites", "mask"),
     ("filter-health", "length_use"),
     ("denoising", "average"),
+    ("step-response", "patience"),
 }
 NOT_FINITE = {  # parts of a result with NaN where something was not measured or has no answer, infinity where there is no limit
     "north": {"attitude"},
